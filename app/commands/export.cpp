@@ -81,7 +81,7 @@ const ExportFormat formats[] = {
 
 bool carries_classes(const ExportFormat& format) {
   const std::string_view name = format.name;
-  return name == "ply" || name == "las" || name == "vdb" || name == "nvdb" || name == "classes";
+  return !name.starts_with("gigavoxel") && name != "dsm" && name != "ortho";
 }
 
 std::vector<std::string> format_names() {
@@ -127,7 +127,8 @@ void expect_no_other_options(const CLI::App& command, const ExportFormat& format
 void report_lost_classes(const ExportOptions& o, const ExportFormat& format) {
   if (o.quiet || carries_classes(format) || !PagedScene(o.scene).header().has_classes) return;
   print_message(
-      "{} has no place for the classes of voxels: they are left out; ply, las, vdb, nvdb and classes have them\n",
+      "{} has no place for the classes of voxels: they are left out; the other formats, except dsm and ortho, have "
+      "them\n",
       format.name);
 }
 

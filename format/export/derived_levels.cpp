@@ -24,12 +24,14 @@ struct Octet {
   std::array<std::uint32_t, 8> alpha{};
   std::uint32_t weight = 0;
   Vec3d colour{}, normal{};
+  std::map<VoxelClass, std::uint32_t> weight_of_class{};
 
   void add(const DerivedLevels::Voxel& voxel) {
     const std::array<double, 256>& linear = linear_of_srgb();
     const std::uint32_t a = voxel.rgba[3];
     alpha[std::size_t((voxel.at[0] & 1) | (voxel.at[1] & 1) << 1 | (voxel.at[2] & 1) << 2)] = a;
     weight += a;
+    weight_of_class[voxel.voxel_class] += a;
     Vec3d n;
     decode_octahedral(voxel.normal.data(), n.v);
     colour += Vec3d{linear[voxel.rgba[0]], linear[voxel.rgba[1]], linear[voxel.rgba[2]]} * a;
@@ -42,6 +44,8 @@ struct Octet {
     for (std::size_t i = 0; i < 3; ++i) voxel.rgba[i] = srgb_byte(colour[i] / weight);
     voxel.rgba[3] = std::uint8_t(covered(alpha));
     encode_octahedral(normal[0], normal[1], normal[2], voxel.normal.data());
+    const auto is_lighter = [](const auto& a, const auto& b) { return a.second < b.second; };
+    voxel.voxel_class = std::max_element(weight_of_class.begin(), weight_of_class.end(), is_lighter)->first;
     return voxel;
   }
 };
@@ -79,13 +83,15 @@ DerivedLevels::DerivedLevels(const PagedScene& scene, const LevelOwners& owners,
   owners.for_each(lowest, lowest, 0, 1, [&](const std::vector<LevelOwner>& shards) {
     for (const LevelOwner& owner : shards)
       ShardLevel(scene, owner.shard, lowest)
-          .for_each_voxel_in({Vec3i64::all(-all), Vec3i64::all(all)},
-                             [&](const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal) {
-                               Voxel& voxel = voxels.emplace_back();
-                               voxel.at = at;
-                               std::memcpy(voxel.rgba.data(), rgba, 4);
-                               std::memcpy(voxel.normal.data(), normal, 2);
-                             });
+          .for_each_voxel_in(
+              {Vec3i64::all(-all), Vec3i64::all(all)},
+              [&](const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal, VoxelClass voxel_class) {
+                Voxel& voxel = voxels.emplace_back();
+                voxel.at = at;
+                std::memcpy(voxel.rgba.data(), rgba, 4);
+                std::memcpy(voxel.normal.data(), normal, 2);
+                voxel.voxel_class = voxel_class;
+              });
   });
   for (int lod = lowest + 1; lod <= coarsest; ++lod) {
     sort_by_place(voxels);

@@ -13,7 +13,8 @@
 namespace gigabake {
 
 /// Levels that are each computed from the next finer level. Coverage is computed as in the bake's `coverage` levels.
-/// Colours and normals are means weighted by coverage. Colours are averaged in linear light.
+/// Colours and normals are means weighted by coverage. Colours are averaged in linear light. The class is the one with
+/// the largest sum of coverages; of equal sums, the lowest.
 /// Cost    Memory for all voxels of level owners.coarsest(), about 64 per cell of a terrain, and of the derived levels.
 class DerivedLevels {
  public:
@@ -21,6 +22,7 @@ class DerivedLevels {
     LevelIndex at{};
     std::array<std::uint8_t, 4> rgba{};
     std::array<std::int8_t, 2> normal{};
+    VoxelClass voxel_class = no_class;
   };
 
   /// Computes the levels from owners.coarsest() + 1 to `coarsest`, if there are any.

@@ -40,13 +40,14 @@ ShardLevel::ShardLevel(const PagedScene& scene, const SceneCell& shard, int lod)
     constants_.push_back({lowest_of(corner_, nodes.key[n], edge),
                           edge,
                           {std::uint8_t(v), std::uint8_t(v >> 8), std::uint8_t(v >> 16), std::uint8_t(v >> 24)},
-                          nodes.normal[n]});
+                          nodes.normal[n],
+                          class_of_constant(nodes, n)});
   });
 }
 
 std::uint64_t ShardLevel::bytes() const {
   return keys_.size() * 12 + constants_.size() * sizeof(Constant) + level_.mask.size() * 8 + level_.first.size() * 8 +
-         level_.rgba.size() + level_.normal.size();
+         level_.rgba.size() + level_.normal.size() + level_.voxel_class.size() * sizeof(VoxelClass);
 }
 
 std::vector<Box3i64> bricks_of(const ShardHeader& header, const NodeTable& nodes, int lod) {

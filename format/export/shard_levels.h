@@ -25,8 +25,8 @@ class ShardLevel {
   /// Errors  InputError: the shard is missing, damaged or not part of the scene.
   ShardLevel(const PagedScene& scene, const SceneCell& shard, int lod);
 
-  /// Calls visit(position, rgba, normal) for each voxel in the box. Positions are in voxels of the level. They are
-  /// rounded down if the shard's level is not aligned with the lattice.
+  /// Calls visit(position, rgba, normal, class) for each voxel in the box. Positions are in voxels of the level. They
+  /// are rounded down if the shard's level is not aligned with the lattice.
   template <class Visit>
   void for_each_voxel_in(const Box3i64& box, const Visit& visit) const;
   std::uint64_t bytes() const;
@@ -37,6 +37,7 @@ class ShardLevel {
     std::int64_t edge;
     std::array<std::uint8_t, 4> rgba;
     std::array<std::int8_t, 2> normal;
+    VoxelClass voxel_class;
   };
   LevelIndex corner_{};
   std::vector<std::uint64_t> keys_;    ///< Morton keys of bricks
@@ -77,19 +78,19 @@ void ShardLevel::for_each_voxel_in(const Box3i64& box, const Visit& visit) const
   for (std::size_t b = 0; b < keys_.size(); ++b) {
     const LevelIndex low = corner_ + LevelIndex(demorton(keys_[b])) * brick_edge;
     if (!box.overlaps(Box3i64::cube(low, brick_edge))) continue;
-    for_each_voxel(
-        level_, number_[b], {},
-        [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba, const std::int8_t* normal) {
-          const LevelIndex at{low[0] + x, low[1] + y, low[2] + z};
-          if (box.contains(at)) visit(at, rgba, normal);
-        });
+    for_each_voxel(level_, number_[b], {},
+                   [&](std::uint32_t x, std::uint32_t y, std::uint32_t z, const std::uint8_t* rgba,
+                       const std::int8_t* normal, const std::uint8_t*, VoxelClass voxel_class) {
+                     const LevelIndex at{low[0] + x, low[1] + y, low[2] + z};
+                     if (box.contains(at)) visit(at, rgba, normal, voxel_class);
+                   });
   }
   for (const Constant& node : constants_) {
     const Box3i64 part = intersection(box, Box3i64::cube(node.lowest, node.edge));
     for (std::int64_t z = part.min[2]; z < part.end[2]; ++z)
       for (std::int64_t y = part.min[1]; y < part.end[1]; ++y)
         for (std::int64_t x = part.min[0]; x < part.end[0]; ++x)
-          visit(LevelIndex{x, y, z}, node.rgba.data(), node.normal.data());
+          visit(LevelIndex{x, y, z}, node.rgba.data(), node.normal.data(), node.voxel_class);
   }
 }
 

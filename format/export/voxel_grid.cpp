@@ -70,17 +70,25 @@ void VoxelStatistics::add(const std::uint8_t* rgba, const std::uint8_t* normal) 
   widen(min_normal, max_normal, normal, normal);
 }
 
+void VoxelStatistics::add(VoxelClass voxel_class) {
+  min_class = std::min(min_class, voxel_class);
+  max_class = std::max(max_class, voxel_class);
+}
+
 void VoxelStatistics::add(const VoxelStatistics& other) {
   voxels += other.voxels;
   widen(min_rgba, max_rgba, other.min_rgba.data(), other.max_rgba.data());
   widen(min_normal, max_normal, other.min_normal.data(), other.max_normal.data());
+  min_class = std::min(min_class, other.min_class);
+  max_class = std::max(max_class, other.max_class);
 }
 
-VoxelGrid::VoxelGrid(std::uint32_t tile_edge, bool normals, GridOrder order)
-    : edge_(tile_edge + 2), has_normals_(normals), order_(order) {
+VoxelGrid::VoxelGrid(std::uint32_t tile_edge, const SceneHeader& scene, GridOrder order)
+    : edge_(tile_edge + 2), has_normals_(scene.has_normals), order_(order) {
   const std::size_t voxels = std::size_t(edge_) * edge_ * edge_;
   rgba_.resize(4 * voxels);
   normals_.resize(4 * voxels);
+  if (scene.has_classes) classes_.resize(voxels);
 }
 
 void VoxelGrid::clear(const Box3i64& padded_box) {
@@ -89,6 +97,7 @@ void VoxelGrid::clear(const Box3i64& padded_box) {
   is_empty_ = true;
   std::fill(rgba_.begin(), rgba_.end(), std::uint8_t(0));
   std::fill(normals_.begin(), normals_.end(), std::uint8_t(0));
+  std::fill(classes_.begin(), classes_.end(), 0.0f);
 }
 
 std::size_t VoxelGrid::place_of(std::size_t x, std::size_t y, std::size_t z) const {
@@ -96,13 +105,14 @@ std::size_t VoxelGrid::place_of(std::size_t x, std::size_t y, std::size_t z) con
   return order_ == GridOrder::y_up ? x + e * (z + e * (e - 1 - y)) : x + e * (y + e * z);
 }
 
-void VoxelGrid::set(const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal) {
+void VoxelGrid::set(const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal, VoxelClass voxel_class) {
   const std::size_t place =
       4 * place_of(std::size_t(at[0] - lowest_[0]), std::size_t(at[1] - lowest_[1]), std::size_t(at[2] - lowest_[2]));
   std::copy_n(rgba, 4, rgba_.begin() + std::ptrdiff_t(place));
   const NormalBytes bytes = has_normals_ ? normal_bytes(normal) : NormalBytes{128, 128, 128};
   std::copy(bytes.begin(), bytes.end(), normals_.begin() + std::ptrdiff_t(place));
   normals_[place + 3] = 255;
+  if (!classes_.empty()) classes_[place / 4] = voxel_class;
   is_empty_ = false;
 }
 
@@ -113,8 +123,10 @@ VoxelStatistics VoxelGrid::statistics() const {
   for (std::size_t slow = 1; slow + 1 < e; ++slow)  // any axis: padding is on all sides
     for (std::size_t middle = 1; middle + 1 < e; ++middle)
       for (std::size_t fast = 1; fast + 1 < e; ++fast)
-        if (const std::size_t place = 4 * (fast + e * (middle + e * slow)); normals_[place + 3] != 0)
+        if (const std::size_t place = 4 * (fast + e * (middle + e * slow)); normals_[place + 3] != 0) {
           statistics.add(&rgba_[place], &normals_[place]);
+          if (!classes_.empty()) statistics.add(VoxelClass(classes_[place / 4]));
+        }
   return statistics;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/math/box3.h"
 #include "format/export/voxel_tiles/voxel_tiling.h"
+#include "format/scene/xml/scene_xml.h"
 
 namespace gigabake {
 
@@ -19,8 +20,10 @@ struct VoxelStatistics {
   std::uint64_t voxels = 0;
   std::array<std::uint8_t, 4> min_rgba{255, 255, 255, 255}, max_rgba{};
   std::array<std::uint8_t, 3> min_normal{255, 255, 255}, max_normal{};
+  VoxelClass min_class = VoxelClass(gigabake::max_class), max_class = 0;  ///< unchanged without classes
 
   void add(const std::uint8_t* rgba, const std::uint8_t* normal);
+  void add(VoxelClass voxel_class);
   void add(const VoxelStatistics& other);
   friend bool operator==(const VoxelStatistics&, const VoxelStatistics&) = default;
 };
@@ -32,11 +35,11 @@ enum class GridOrder : std::uint8_t { y_up, right_forward_up };
 /// A dense grid of voxels; all bytes are zero if a voxel does not exist. The grid is reused for each next tile.
 class VoxelGrid {
  public:
-  VoxelGrid(std::uint32_t tile_edge, bool normals, GridOrder order);
+  VoxelGrid(std::uint32_t tile_edge, const SceneHeader& scene, GridOrder order);
 
   void clear(const Box3i64& padded_box);
   /// Sets the voxel at `at`, which must lie inside the padded box. Replaces an existing voxel.
-  void set(const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal);
+  void set(const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal, VoxelClass voxel_class);
   std::size_t size() const { return rgba_.size() / 4; }
   std::uint32_t edge() const { return edge_; }
 
@@ -44,6 +47,9 @@ class VoxelGrid {
   /// Returns four bytes per voxel: normal_bytes() (128 in scenes without normals), and 255. All four are 0 if there is
   /// no voxel.
   const std::vector<std::uint8_t>& normals() const { return normals_; }
+  /// Returns the class of each voxel; 0 if there is no voxel. Empty if the scene has no classes. Floats, which have
+  /// classes exactly, because CesiumJS 1.145 reads voxels of UINT8 and FLOAT32 only.
+  const std::vector<float>& classes() const { return classes_; }
   /// Returns the statistics of the tile's voxels, without the padding.
   VoxelStatistics statistics() const;
 
@@ -56,6 +62,7 @@ class VoxelGrid {
   bool is_empty_ = true;
   LevelIndex lowest_{};
   std::vector<std::uint8_t> rgba_, normals_;
+  std::vector<float> classes_;
 };
 
 }  // namespace gigabake

@@ -38,7 +38,7 @@ TileWriter::TileWriter(const TileSource& source, std::filesystem::path target, s
     : source_(source),
       target_(std::move(target)),
       folder_(std::move(folder)),
-      grid_(source.tiling.edge, source.scene.header().has_normals, order_of(source.form)) {}
+      grid_(source.tiling.edge, source.scene.header(), order_of(source.form)) {}
 
 TileRecord TileWriter::write(const TilePlace& tile) {
   fill(tile);
@@ -79,13 +79,12 @@ TileRecord TileWriter::write_empty(const TilePlace& tile) {
 void TileWriter::fill(const TilePlace& tile) {
   const Box3i64 box = source_.tiling.padded_box(tile);
   const int lod = source_.tiling.lod(tile.level);
-  const auto set = [this](const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal) {
-    grid_.set(at, rgba, normal);
-  };
+  const auto set = [this](const LevelIndex& at, const std::uint8_t* rgba, const std::int8_t* normal,
+                          VoxelClass voxel_class) { grid_.set(at, rgba, normal, voxel_class); };
   grid_.clear(box);
   if (source_.made.has(lod)) {
     for (const DerivedLevels::Voxel& v : source_.made.level(lod))
-      if (box.contains(v.at)) set(v.at, v.rgba.data(), v.normal.data());
+      if (box.contains(v.at)) set(v.at, v.rgba.data(), v.normal.data(), v.voxel_class);
     return;
   }
   const Box3i64 reach = reach_of(box, lod);

@@ -26,9 +26,10 @@ Json statistics_of(const VoxelStatistics& voxels) {
   Json minimum = scaled(voxels.min_normal, 128, 127), greatest = scaled(voxels.max_normal, 128, 127);
   minimum.push_back(1.0);
   greatest.push_back(1.0);
-  const Json properties = {
-      {"color", {{"min", scaled(voxels.min_rgba, 0, 255)}, {"max", scaled(voxels.max_rgba, 0, 255)}}},
-      {"normal", {{"min", minimum}, {"max", greatest}}}};
+  Json properties = {{"color", {{"min", scaled(voxels.min_rgba, 0, 255)}, {"max", scaled(voxels.max_rgba, 0, 255)}}},
+                     {"normal", {{"min", minimum}, {"max", greatest}}}};
+  if (voxels.min_class <= voxels.max_class)
+    properties["voxel_class"] = {{"min", voxels.min_class}, {"max", voxels.max_class}};
   return {{"classes", {{"voxel", {{"count", voxels.voxels}, {"properties", properties}}}}}};
 }
 
@@ -37,8 +38,8 @@ Json metres(const SceneHeader& scene, const Vec3i64& voxel) {
   return {point[0], point[1], point[2]};
 }
 
-Json schema() {
-  Json schema = voxel_schema();
+Json schema(bool has_classes) {
+  Json schema = voxel_schema(has_classes);
   const Json corner = {{"type", "VEC3"}, {"componentType", "FLOAT64"}};
   schema["classes"]["tileset"]["properties"] = {
       {"tileCount", {{"type", "SCALAR"}, {"componentType", "UINT32"}, {"semantic", "TILESET_TILE_COUNT"}}},
@@ -117,7 +118,7 @@ std::string tileset_gltf(const SceneHeader& scene, const VoxelTiling& tiling, co
                          {"extensionsRequired", extensions},
                          {"shapes", Json::array({shape})},
                          {"extensions",
-                          {{"EXT_structural_metadata", {{"schema", voxel_schema()}}},
+                          {{"EXT_structural_metadata", {{"schema", voxel_schema(scene.has_classes)}}},
                            {"3DTILES_tileset", {{"geometricError", 2 * box.edge_m / tiling.edge}}},
                            {"3DTILES_tileset_voxels", voxels}}},
                          {"scene", 0},
@@ -132,7 +133,7 @@ std::string tileset_json(const SceneHeader& scene, const VoxelTiling& tiling, co
   const Json document = {{"asset", {{"version", "1.1"}, {"generator", scene.generator}}},
                          {"extensionsUsed", {"3DTILES_content_voxels"}},
                          {"extensionsRequired", {"3DTILES_content_voxels"}},
-                         {"schema", schema()},
+                         {"schema", schema(scene.has_classes)},
                          {"statistics", statistics_of(summary.voxels)},
                          {"metadata", {{"class", "tileset"}, {"properties", summary_of(scene, summary)}}},
                          {"geometricError", error_m},

@@ -35,6 +35,9 @@ RecordJson row_of(const TilePlace& tile, const TileRecord& record) {
   put_bytes(row, s.max_rgba);
   put_bytes(row, s.min_normal);
   put_bytes(row, s.max_normal);
+  if (s.min_class > s.max_class) return row;  // no classes
+  row.push_back(s.min_class);
+  row.push_back(s.max_class);
   return row;
 }
 
@@ -52,6 +55,9 @@ std::pair<TilePlace, TileRecord> tile_of(const RecordJson& row) {
   get_bytes(row, at, record.statistics.max_rgba);
   get_bytes(row, at, record.statistics.min_normal);
   get_bytes(row, at, record.statistics.max_normal);
+  if (row.size() == at) return {tile, record};  // no classes
+  record.statistics.min_class = row.at(at).get<VoxelClass>();
+  record.statistics.max_class = row.at(at + 1).get<VoxelClass>();
   return {tile, record};
 }
 
@@ -76,6 +82,7 @@ std::string rule_of(const SceneHeader& scene, const VoxelTiling& tiling, const s
                      {"edge", tiling.edge},
                      {"levels", tiling.levels},
                      {"finest", tiling.finest}};
+  if (scene.has_classes) rule["classes"] = true;
   if (scene.origin) rule["origin"] = {scene.origin->latitude_deg, scene.origin->longitude_deg, scene.origin->height_m};
   return rule.dump();
 }

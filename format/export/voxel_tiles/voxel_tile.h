@@ -19,7 +19,8 @@ struct TileBox {
 };
 
 /// Returns the schema with class `voxel`, the properties of a voxel. The tileset and each tile contain this schema.
-nlohmann::ordered_json voxel_schema();
+/// `has_classes` adds the property `voxel_class`; `class` is a reserved word of shaders.
+nlohmann::ordered_json voxel_schema(bool has_classes);
 
 /// Replaces `file` by a glTF 2.0 with EXT_primitive_voxels.
 /// Range   The grid has the order y_up.

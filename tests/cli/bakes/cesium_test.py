@@ -6,6 +6,7 @@ CesiumJS is found in $GIGABAKE_CESIUM, the folder of the npm package: export GIG
 """
 import functools
 import http.server
+import json
 import os
 import sys
 import tempfile
@@ -110,14 +111,35 @@ class CesiumTest(unittest.TestCase):
         self.program.succeed("export", bake, "--to", "3dtiles", *wishes, "-o", self.path / name)
         return self.path / name
 
-    def test_a_red_square_beside_a_green_one_is_drawn_where_it_lies(self):
+    def write_squares(self, *squares):
+        """Writes two adjacent squares, by name and colour."""
         (self.path / "source").mkdir()
-        for name, x, colour in (("red", -8, [1, 0, 0, 1]), ("green", 0, [0, 1, 0, 1])):
+        for x, (name, colour) in zip((-8, 0), squares):
             corners = [[x, 0, 8], [x + 8, 0, 8], [x + 8, 0, -8], [x, 0, -8]]
             material = {"pbrMetallicRoughness": {"baseColorFactor": colour}}
             harness.write_glb(self.path / f"source/{name}.glb", corners, [0, 1, 2, 0, 2, 3], material=material)
+
+    def test_a_red_square_beside_a_green_one_is_drawn_where_it_lies(self):
+        self.write_squares(("red", [1, 0, 0, 1]), ("green", [0, 1, 0, 1]))
         self.program.bake(self.path / "source", self.path / "bake", 0.5, "--cell-voxels", 64)
         shown = Shown(self, self.export(self.path / "bake", "tiles"), "&nearest")
+        self.expect_red_beside_green(shown)
+
+    def test_classes_are_drawn_by_a_shader(self):
+        self.write_squares(("west", [0, 0, 1, 1]), ("east", [0, 0, 1, 1]))
+        sources = [{"path": "west.glb", "class": 7}, {"path": "east.glb", "class": 300}]
+        (self.path / "source/scene.json").write_text(json.dumps({"gigabake": 1, "sources": sources}))
+        self.program.bake(self.path / "source/scene.json", self.path / "bake", 0.5, "--cell-voxels", 64)
+        shown = Shown(self, self.export(self.path / "bake", "tiles"), "&nearest")
+        shown.page.evaluate("""window.shown.voxels.customShader = new Cesium.CustomShader({fragmentShaderText: `
+          void fragmentMain(FragmentInput fsInput, inout czm_modelMaterial material) {
+            int voxelClass = int(fsInput.metadata.voxel_class + 0.5);
+            material.diffuse = vec3(voxelClass == 7, voxelClass == 300, 0);
+            material.alpha = fsInput.metadata.color.a;
+          }`}); 0""")
+        self.expect_red_beside_green(shown)
+
+    def expect_red_beside_green(self, shown):
         picture, _ = shown.from_distance(2, 0, -1.57)
         red = (picture[..., 0] > 150) & (picture[..., 1] < 60)
         green = (picture[..., 1] > 150) & (picture[..., 0] < 60)

@@ -281,7 +281,7 @@ class Classes(harness.FolderTest):
         classes = numpy.ascontiguousarray(points[:, -2:]).view("<u2").reshape(-1)
         expected = list(self.classes("whole").values())
         self.assertTrue(classes.tolist() == points[:, 16].tolist() == expected)
-        for name, options in (("xml", ("--to", "gigavoxel-xml")), ("tiles", ("--to", "3dtiles"))):
+        for name, options in (("xml", ("--to", "gigavoxel-xml")), ("v.tif", ("--to", "ortho"))):
             done = PROGRAM.run("export", self.root / "whole", *options, "-o", self.root / name)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertEqual(done.stderr.count("has no place for the classes of voxels"), 1, done.stderr)

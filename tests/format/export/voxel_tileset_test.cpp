@@ -26,6 +26,7 @@ using made::TempFolder;
 
 struct TileVoxel {
   std::array<std::uint8_t, 4> rgba{}, normal{};
+  VoxelClass voxel_class = no_class;
 };
 using TileVoxels = std::map<Vec3i64, TileVoxel>;
 
@@ -50,14 +51,19 @@ TileVoxels read_tile(const std::filesystem::path& glb, const Vec3i64& tile, std:
   std::memcpy(&json_bytes, bytes.data() + 12, 4);
   const std::string binary = bytes.substr(20 + json_bytes + 8);
   const std::int64_t e = edge + 2;
-  EXPECT_EQ(binary.size(), std::size_t(8 * e * e * e));
+  const auto grid = std::size_t(e * e * e);
+  const bool has_classes = bytes.substr(20, json_bytes).find("\"voxel_class\"") != std::string::npos;
+  EXPECT_EQ(binary.size(), (has_classes ? 12 : 8) * grid);
   for (std::int64_t z = 0; z < e; ++z)
     for (std::int64_t y = 0; y < e; ++y)
       for (std::int64_t x = 0; x < e; ++x) {
         const auto i = std::size_t(x + e * (z + e * (e - 1 - y)));
         TileVoxel voxel;
         std::memcpy(voxel.rgba.data(), binary.data() + 4 * i, 4);
-        std::memcpy(voxel.normal.data(), binary.data() + std::size_t(4 * e * e * e) + 4 * i, 4);
+        std::memcpy(voxel.normal.data(), binary.data() + 4 * grid + 4 * i, 4);
+        float voxel_class = 0;
+        if (has_classes) std::memcpy(&voxel_class, binary.data() + 8 * grid + 4 * i, 4);
+        voxel.voxel_class = VoxelClass(voxel_class);
         if ((voxel.normal[3] == 255) != (voxel.rgba[3] != 0)) ADD_FAILURE() << glb;
         if (voxel.rgba[3] != 0)
           voxels[{edge * tile[0] + x - 1, edge * tile[1] + y - 1, edge * tile[2] + z - 1}] = voxel;
@@ -113,7 +119,8 @@ Vec3i64 tile_of(const Vec3i64& at, std::int64_t edge) {
 
 bool is_of(const TileVoxel& voxel, const made::VoxelBytes& shards, bool has_normals) {
   const auto normal = has_normals ? normal_bytes(shards.normal.data()) : std::array<std::uint8_t, 3>{128, 128, 128};
-  return voxel.rgba == shards.rgba && std::equal(normal.begin(), normal.end(), voxel.normal.begin());
+  return voxel.rgba == shards.rgba && voxel.voxel_class == shards.voxel_class &&
+         std::equal(normal.begin(), normal.end(), voxel.normal.begin());
 }
 
 /// Returns the number of voxels in the padding of tiles. A voxel counts once per adjacent tile of the cube.
@@ -134,7 +141,7 @@ std::size_t padding_of(const made::SceneVoxels& voxels, std::size_t level, std::
 
 TEST(VoxelTileset, TilesAndTheVoxelsAroundThemAreThoseOfTheShards) {
   for (int round = 0; round < 4; ++round) {
-    const made::RandomScene scene(round);
+    const made::RandomScene scene(round, true);
     const SceneDescription& written = scene.description();
     const int finest = round % 2;
     const std::int64_t edge = std::array{13, 20, 31, 40}[std::size_t(round)];
@@ -227,7 +234,7 @@ TEST(VoxelTileset, LevelsAboveTheCellsHaveAVoxelWhereTheLevelBelowHasOne) {
   const test::RandomSeed seed;
   std::mt19937_64 rng(seed);
   const TempFolder folder;
-  made::write_random_scene(folder / "scene.xml", rng, true);
+  made::write_random_scene(folder / "scene.xml", rng, true, true);
   TilesetOptions options;
   options.lod = 3;
   options.tile_voxels = 8;
@@ -238,10 +245,12 @@ TEST(VoxelTileset, LevelsAboveTheCellsHaveAVoxelWhereTheLevelBelowHasOne) {
   TileVoxels below = own_voxels(folder / "out", levels - 1, 8);
   for (std::size_t level = levels - 1; level-- > 0;) {
     std::map<Vec3i64, std::array<std::uint32_t, 2>> span;  // min and max red of the children
+    std::map<Vec3i64, std::map<VoxelClass, std::uint32_t>> weights;
     for (const auto& [at, voxel] : below) {
       const auto [entry, first] = span.insert({{at[0] >> 1, at[1] >> 1, at[2] >> 1}, {255, 0}});
       entry->second = {std::min(entry->second[0], std::uint32_t(voxel.rgba[0])),
                        std::max(entry->second[1], std::uint32_t(voxel.rgba[0]))};
+      weights[entry->first][voxel.voxel_class] += voxel.rgba[3];
     }
     const TileVoxels own = own_voxels(folder / "out", level, 8);
     ASSERT_EQ(own.size(), span.size());
@@ -249,6 +258,10 @@ TEST(VoxelTileset, LevelsAboveTheCellsHaveAVoxelWhereTheLevelBelowHasOne) {
       ASSERT_TRUE(span.contains(at));
       EXPECT_GE(voxel.rgba[0], span.at(at)[0]);
       EXPECT_LE(voxel.rgba[0], span.at(at)[1]);
+      for (const auto& [other, weight] : weights.at(at)) {
+        const std::uint32_t own_weight = weights.at(at)[voxel.voxel_class];
+        EXPECT_TRUE(weight < own_weight || (weight == own_weight && voxel.voxel_class <= other));
+      }
     }
     below = own;
   }
