@@ -25,7 +25,13 @@ def folder_problems(paths):
 
 def header_problems(root):
     name = "cmake/public_headers.cmake"
-    count = len(re.findall(r"[\w/]+\.h\b", re.sub(r"#[^\n]*", "", (root / name).read_text(encoding="utf-8"))))
+    listed = re.findall(r"[\w/]+\.(?:h|cuh)\b", re.sub(r"#[^\n]*", "", (root / name).read_text(encoding="utf-8")))
+    for header in listed:
+        for number, line in enumerate((root / header).read_text(encoding="utf-8").split("\n"), 1):
+            included = re.match(r'#include "(.*)"', line)
+            if included and included[1] not in listed:
+                yield Violation("headers", header, number, f"is installed and includes {included[1]}, which is not", 1)
+    count = sum(header.endswith(".h") for header in listed)
     if count > MAX_INSTALLED_HEADERS:
         yield Violation("headers", name, 1, f"installs {count} headers, more than {MAX_INSTALLED_HEADERS}",
                         count - MAX_INSTALLED_HEADERS)
