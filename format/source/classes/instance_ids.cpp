@@ -33,6 +33,7 @@ std::vector<VoxelClass> classes_of_instances(const std::filesystem::path& file, 
     classes.refuse("class_from_ids", in_file + ": " + message);
   };
   const tinygltf::Value& set = id_set(node.extensions, instances_extension, *classes.ids->instance_set, refuse);
+  const double null_id = null_id_of(set);
   const std::optional<AccessorItems> attribute = attribute_of(file, document, node, set, refuse);
   std::vector<float> of_instance;
   if (attribute) {
@@ -44,7 +45,7 @@ std::vector<VoxelClass> classes_of_instances(const std::filesystem::path& file, 
   std::vector<VoxelClass> out;
   out.reserve(instances);
   for (std::size_t i = 0; i < instances; ++i)
-    out.push_back(class_of_id(attribute ? double(of_instance[i]) : double(i), null_id_of(set), classes, in_file));
+    out.push_back(class_of_id(attribute ? double(of_instance[i]) : double(i), null_id, classes, in_file));
   return out;
 }
 

@@ -17,11 +17,11 @@ import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
-from class_scene import EDGE, majority, mosaic, tile, write_gltf
+from class_scene import EDGE, ClassTest, majority, mosaic, tile, write_gltf
 from png_file import read_png
 
 
-class Classes(harness.FolderTest):
+class Classes(ClassTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -36,34 +36,6 @@ class Classes(harness.FolderTest):
                        {"path": "high.glb", "class": 9, "class_of_material": {"roof": 6}}]
         cls.scene = cls.scene_file("scene", cls.sources)
         cls.info = cls.bake("whole", cls.scene)
-
-    @classmethod
-    def scene_file(cls, name, sources, **members):
-        path = cls.root / f"{name}.json"
-        path.write_text(json.dumps({"gigabake": 1, "sources": sources, **members}))
-        return path
-
-    @classmethod
-    def bake(cls, name, source, *options, ranks=None):
-        PROGRAM.succeed("bake", source, "-o", cls.root / name, "--voxel-size", 1, "--local", *(options or
-                        ("--cell-voxels", 64)), "-q", ranks=ranks)
-        PROGRAM.succeed("verify", cls.root / name)
-        return PROGRAM.info(cls.root / name)
-
-    def classes(self, name, lod=0):
-        """Returns the class of each voxel of a level, as the PLY has it."""
-        file = self.root / "v.ply"
-        PROGRAM.succeed("export", self.root / name, "--lod", lod, "-o", file)
-        header, body = file.read_bytes().split(b"end_header\n", 1)
-        self.assertIn(b"property ushort class\n", header)
-        vertices = numpy.frombuffer(body, harness.PLY_VERTEX_WITH_CLASS)
-        return {tuple(v["ijk"].tolist()): int(v["class"]) for v in vertices}
-
-    def expect_equal(self, found, expected, message=""):
-        """Compares two maps of voxels. A failure prints a few differences; assertEqual() would take minutes."""
-        differing = [(at, found.get(at), expected.get(at)) for at in sorted({*found, *expected})
-                     if found.get(at) != expected.get(at)]
-        self.assertEqual(differing[:5], [], message)
 
     def expected(self):
         expected = {at: 1 + majority(areas) for at, areas in self.low.items()}
@@ -289,4 +261,5 @@ class Classes(harness.FolderTest):
 
 if __name__ == "__main__":
     PROGRAM, SOURCE = harness.Gigabake(Path(sys.argv[1]).resolve()), Path(sys.argv[2]).resolve()
+    ClassTest.PROGRAM = PROGRAM
     harness.main(argv=sys.argv[:1], verbosity=2)

@@ -15,7 +15,7 @@ import numpy
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "support"), str(Path(__file__).resolve().parents[2] / "fuzz")]
 import harness
-from class_scene import majority, tile, write_gltf
+from class_scene import ClassTest, majority, tile, write_gltf
 import packed_seeds
 from png_file import chunk, write_png
 
@@ -32,7 +32,7 @@ def image_of(ids):
     return numpy.stack([ids >> 8, ids * 37 & 255, ids & 255], -1).astype("u1")
 
 
-class IdTextures(harness.FolderTest):
+class IdTextures(ClassTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -48,24 +48,6 @@ class IdTextures(harness.FolderTest):
         cls.scene = cls.scene_file("scene", [cls.source])
         cls.bake("whole", cls.scene)
 
-    @classmethod
-    def scene_file(cls, name, sources, **members):
-        path = cls.root / f"{name}.json"
-        path.write_text(json.dumps({"gigabake": 1, "sources": sources, **members}))
-        return path
-
-    @classmethod
-    def bake(cls, name, source, *options, ranks=None):
-        PROGRAM.succeed("bake", source, "-o", cls.root / name, "--voxel-size", 1, "--local", *(options or
-                        ("--cell-voxels", 64)), "-q", ranks=ranks)
-        PROGRAM.succeed("verify", cls.root / name)
-
-    def classes(self, name):
-        file = self.root / "v.ply"
-        PROGRAM.succeed("export", self.root / name, "-o", file)
-        vertices = harness.read_ply(file)
-        return {tuple(v["ijk"].tolist()): int(v["class"]) for v in vertices}
-
     @staticmethod
     def expected(ids):
         out = {}
@@ -75,11 +57,6 @@ class IdTextures(harness.FolderTest):
                            for i in ids[4 * y:4 * y + 4, 4 * x:4 * x + 4].reshape(-1)]
                 out[(x, y, 5)] = majority({c: classes.count(c) for c in classes})
         return out
-
-    def expect_equal(self, found, expected):
-        differing = [(at, found.get(at), expected.get(at)) for at in sorted({*found, *expected})
-                     if found.get(at) != expected.get(at)]
-        self.assertEqual(differing[:5], [])
 
     def test_voxels_have_the_class_of_the_max_area_of_texels(self):
         expected = self.expected(self.ids)
@@ -197,5 +174,5 @@ class IdTextures(harness.FolderTest):
 
 
 if __name__ == "__main__":
-    PROGRAM = harness.Gigabake(Path(sys.argv[1]).resolve())
+    PROGRAM = ClassTest.PROGRAM = harness.Gigabake(Path(sys.argv[1]).resolve())
     harness.main(argv=sys.argv[:1], verbosity=2)

@@ -14,7 +14,7 @@ import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
-from class_scene import tile, write_gltf
+from class_scene import ClassTest, tile, write_gltf
 
 EDGE = 16  # voxels
 NULL_ID = 3
@@ -24,7 +24,7 @@ def padded(data, fill):
     return data + fill * (-len(data) % 8)
 
 
-class InstanceIds(harness.FolderTest):
+class InstanceIds(ClassTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -63,26 +63,11 @@ class InstanceIds(harness.FolderTest):
             struct.pack("<4s7I", b"i3dm", 1, 32 + len(text + columns + model), len(text), len(columns), 0, 0, 1) +
             text + columns + model)
 
-    def scene_file(self, name, **ids):
-        path = self.root / "scene.json"
-        path.write_text(json.dumps({"gigabake": 1, "sources": [
-            {"path": name, "class": 40, "class_from_ids": {"instance_ids": 0, **ids}}]}))
-        return path
-
-    def bake(self, source, *options, ranks=None):
-        PROGRAM.succeed("bake", source, "-o", self.root / "baked", "--voxel-size", 1, "--local", *(options or
-                        ("--cell-voxels", 64)), "-q", ranks=ranks)
-        PROGRAM.succeed("verify", self.root / "baked")
+    def scene_of(self, name, **ids):
+        return self.scene_file("scene", [{"path": name, "class": 40, "class_from_ids": {"instance_ids": 0, **ids}}])
 
     def expect_classes(self, of_instance):
-        file = self.root / "v.ply"
-        PROGRAM.succeed("export", self.root / "baked", "-o", file)
-        vertices = harness.read_ply(file)
-        found = {tuple(v["ijk"].tolist()): int(v["class"]) for v in vertices}
-        expected = {at: int(of_instance[instance]) for at, instance in self.decides.items()}
-        differing = [(at, found.get(at), expected.get(at)) for at in sorted({*found, *expected})
-                     if found.get(at) != expected.get(at)]
-        self.assertEqual(differing[:5], [])
+        self.expect_equal(self.classes("baked"), {at: int(of_instance[i]) for at, i in self.decides.items()})
 
     def test_voxels_have_the_class_of_the_instance_with_the_max_area(self):
         self.write_glb("ids.glb", [{"featureCount": 6, "attribute": 2, "nullFeatureId": NULL_ID}],
@@ -91,30 +76,30 @@ class InstanceIds(harness.FolderTest):
         self.assertEqual(len(set(expected)), 6)
         for options, ranks in (((), None), (("--cell-voxels", 16), 2),
                                (("--cell-voxels", 8, "--memory", "256M"), None)):
-            self.bake(self.scene_file("ids.glb", add=7), *options, ranks=ranks)
+            self.bake("baked", self.scene_of("ids.glb", add=7), *options, ranks=ranks)
             self.expect_classes(expected)
 
     def test_a_set_without_an_attribute_numbers_the_instances(self):
         self.write_glb("ids.glb", [{"featureCount": len(self.ids)}])
-        self.bake(self.scene_file("ids.glb"))
+        self.bake("baked", self.scene_of("ids.glb"))
         self.expect_classes(numpy.arange(len(self.ids)))
 
     def test_i3dm_has_ids_of_8_16_or_32_bits(self):
         for kind, name in (("<u2", None), ("<u2", "UNSIGNED_SHORT"), ("u1", "UNSIGNED_BYTE"), ("<u4", "UNSIGNED_INT")):
             self.write_i3dm("ids.i3dm", self.ids, kind, name)
-            self.bake(self.scene_file("ids.i3dm", add=1))
+            self.bake("baked", self.scene_of("ids.i3dm", add=1))
             self.expect_classes(self.ids + 1)
 
     def test_an_i3dm_without_ids_numbers_its_instances(self):
         self.write_i3dm("ids.i3dm")
-        self.bake(self.scene_file("ids.i3dm"))
+        self.bake("baked", self.scene_of("ids.i3dm"))
         self.expect_classes(numpy.arange(len(self.ids)))
 
     def test_an_id_that_changed_bakes_again(self):
         for shift in (0, 1):
             ids = numpy.roll(self.ids, shift)
             self.write_i3dm("ids.i3dm", ids)
-            self.bake(self.scene_file("ids.i3dm"))
+            self.bake("baked", self.scene_of("ids.i3dm"))
             self.expect_classes(ids)
 
     def test_instances_without_transforms_are_baked(self):  # 2026-11-28: they were dropped without a message
@@ -152,7 +137,7 @@ class InstanceIds(harness.FolderTest):
                 ("right.i3dm", None, {"instance_ids": 1}, "an i3dm has set 0 only")):
             if options:
                 self.write_glb(name, **options)
-            scene = self.scene_file(name, **ids)
+            scene = self.scene_of(name, **ids)
             for command in (("bake", "-o", self.root / "wrong", "-q"), ("plan", "--no-measure")):
                 done = PROGRAM.run(*command, scene, "--voxel-size", 1)
                 self.assertEqual(done.returncode, 2, (name, done.stderr))
@@ -168,12 +153,12 @@ class InstanceIds(harness.FolderTest):
         (self.root / "outside.i3dm").write_bytes(outside)
         for name, expected in (("float.i3dm", "expected componentType UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT"),
                                ("outside.i3dm", "bytes inside the table's")):
-            done = PROGRAM.run("bake", self.scene_file(name), "-o", self.root / "damaged", "--voxel-size", 1, "-q")
+            done = PROGRAM.run("bake", self.scene_of(name), "-o", self.root / "damaged", "--voxel-size", 1, "-q")
             self.assertEqual(done.returncode, 1, done.stderr)
             self.assertIn("feature table.BATCH_ID: ", done.stderr)
             self.assertIn(expected, done.stderr)
 
 
 if __name__ == "__main__":
-    PROGRAM = harness.Gigabake(Path(sys.argv[1]).resolve())
+    PROGRAM = ClassTest.PROGRAM = harness.Gigabake(Path(sys.argv[1]).resolve())
     harness.main(argv=sys.argv[:1], verbosity=2)

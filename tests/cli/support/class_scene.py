@@ -1,4 +1,6 @@
-"""Small sources with classes, whose surfaces are flat and aligned to voxels, so that their areas are exact."""
+"""Small sources with classes, whose surfaces are flat and aligned to voxels, so that their areas are exact; tests that
+bake them."""
+import json
 from fractions import Fraction
 
 import numpy
@@ -6,6 +8,39 @@ import numpy
 import harness
 
 EDGE = 48  # of the scene, metres; a voxel is one metre
+
+
+class ClassTest(harness.FolderTest):
+    """A test that compares the classes of voxels. Its script sets PROGRAM."""
+    PROGRAM = None
+
+    @classmethod
+    def scene_file(cls, name, sources, **members):
+        path = cls.root / f"{name}.json"
+        path.write_text(json.dumps({"gigabake": 1, "sources": sources, **members}))
+        return path
+
+    @classmethod
+    def bake(cls, name, source, *options, ranks=None):
+        cls.PROGRAM.succeed("bake", source, "-o", cls.root / name, "--voxel-size", 1, "--local", *(options or
+                            ("--cell-voxels", 64)), "-q", ranks=ranks)
+        cls.PROGRAM.succeed("verify", cls.root / name)
+        return cls.PROGRAM.info(cls.root / name)
+
+    def classes(self, name, lod=0):
+        """Returns the class of each voxel of a level, in the order of the PLY."""
+        file = self.root / "v.ply"
+        self.PROGRAM.succeed("export", self.root / name, "--lod", lod, "-o", file)
+        header, body = file.read_bytes().split(b"end_header\n", 1)
+        self.assertIn(b"property ushort class\n", header)
+        vertices = numpy.frombuffer(body, harness.PLY_VERTEX_WITH_CLASS)
+        return {tuple(v["ijk"].tolist()): int(v["class"]) for v in vertices}
+
+    def expect_equal(self, found, expected, message=""):
+        """Compares two maps of voxels. A failure prints a few differences; assertEqual() would take minutes."""
+        differing = [(at, found.get(at), expected.get(at)) for at in sorted({*found, *expected})
+                     if found.get(at) != expected.get(at)]
+        self.assertEqual(differing[:5], [], message)
 
 
 def write_gltf(path, primitives, materials=(), members=None, instances=None, features=None):
