@@ -28,6 +28,7 @@ class RandomCell {
     parameters_.mip = std::array{MipFilter::coverage, MipFilter::box, MipFilter::thesis}[std::size_t(below(3))];
     parameters_.normals = below(4) != 0;
     parameters_.directional_coverage = parameters_.mip == MipFilter::coverage && below(4) != 0;
+    parameters_.classes = parameters_.mip != MipFilter::thesis && below(2) == 0;
     blocks_ = below(3);
     waves_ = below(4) != 0;
   }
@@ -47,6 +48,7 @@ class RandomCell {
     out.type = std::array{EditType::carve, EditType::fill, EditType::paint}[std::size_t(below(3))];
     out.rgb = {std::uint8_t(below(3)), 7, std::uint8_t(below(256))};
     if (out.type == EditType::paint && below(2) == 0) out.alpha = std::uint8_t(1 + below(255));
+    if (parameters_.classes && out.type != EditType::carve && below(2) == 0) out.voxel_class = VoxelClass(below(4));
     const int n = int(parameters_.window_voxels);
     std::array<double, 3> at{};
     for (std::size_t c = 0; c < 3; ++c) at[c] = double(parameters_.window_min[c] + below(n)) + 0.25 * below(4);
@@ -90,6 +92,7 @@ class RandomCell {
     if (kernels::has_finest_planes(parameters_))
       level.directional_coverage.insert(level.directional_coverage.end(),
                                         {0, 0, 0, std::uint8_t(alpha == 255 && !is_constant ? 35 : 0)});
+    if (parameters_.classes) level.voxel_class.push_back(VoxelClass(is_constant ? 65535 : below(3)));
   }
 
   std::mt19937& random_;
@@ -115,6 +118,7 @@ class ShardEdit : public testing::Test {
     h.voxel_size_m = 1;
     h.has_normals = p.normals;
     h.has_directional_coverage = p.directional_coverage;
+    h.has_classes = p.classes;
     return h;
   }
 

@@ -121,6 +121,7 @@ DownsampleState joined(const DownsampleState& stored, const DownsampleState& fre
     add(from.place, row.number, from.voxels(), out.place);
     add(from.rgba, row.number, from.voxels(), out.rgba);
     add(from.normal, row.number, from.voxels(), out.normal);
+    add(from.voxel_class, row.number, from.voxels(), out.voxel_class);
     if (row.place()[0] != 0) continue;
     add(from.raster, row.number, row.of == &fresh ? of_fresh : of_stored, out.raster);
     add(from.patch, row.number, row.of == &fresh ? of_fresh : of_stored, out.patch);

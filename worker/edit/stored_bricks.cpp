@@ -49,7 +49,8 @@ std::optional<StoredNode> StoredBricks::node(int lod, std::uint64_t key) const {
   DirectionalCoverage finest;
   const std::uint8_t* coverage = directional_coverage_of_constant(nodes, row, nodes.lod[row] == 0, finest);
   return StoredNode{nodes.kind[row],
-                    kernels::common_voxel(nodes.value[row], kernels::pack_normal(nodes.normal[row].data()), coverage)};
+                    kernels::common_voxel(nodes.value[row], kernels::pack_normal(nodes.normal[row].data()), coverage,
+                                          class_of_constant(nodes, row))};
 }
 
 std::vector<std::uint64_t> StoredBricks::finest_keys(std::uint64_t first, std::uint64_t end) const {
@@ -82,6 +83,7 @@ void StoredBricks::append_constant(int lod, std::uint64_t key, std::size_t row, 
       out.normal.insert(out.normal.end(), nodes.normal[row].begin(), nodes.normal[row].end());
     if (coverage != nullptr)
       out.directional_coverage.insert(out.directional_coverage.end(), coverage, coverage + directional_coverage_bytes);
+    if (base_.header().has_classes) out.voxel_class.push_back(class_of_constant(nodes, row));
   }
 }
 
@@ -96,6 +98,7 @@ void StoredBricks::append_block(int lod, std::span<const std::uint64_t> keys, st
   all.rgba = std::move(block.rgba);
   all.normal = std::move(block.normal);
   all.directional_coverage = std::move(block.directional_coverage);
+  all.voxel_class = std::move(block.voxel_class);
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const std::size_t brick = numbers[i] - numbers.front();
     all.key[brick] = keys[i];

@@ -42,7 +42,6 @@ bool CellStages::edit_stored(InFlightCell& cell) const {
   if (!fingerprints_ || parameters_.max_error != 0 || cell.job.tile_sources.size() != cell.job.tiles.size())
     return false;
   if (has_levels(cell.job)) return false;  // an edit refines leaves, which requires their triangles
-  if (parameters_.classes) return false;   // spliced columns have no classes
   for (const CellFingerprints::EarlierEdits& earlier : fingerprints_->with_fewer_edits(cell.job)) {
     CellJob job = cell.job;
     job.fingerprint = earlier.fingerprint;

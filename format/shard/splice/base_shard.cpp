@@ -33,7 +33,8 @@ std::size_t counted_by(LevelColumn column) {
 
 BaseShard::BaseShard(const std::filesystem::path& path, const ThreadPool& pool)
     : pages_(path), file_(Hdf5File::open(path)) {
-  if (read_version(file_) != first_version_of_differences)
+  if (const std::int32_t version = read_version(file_);
+      version != first_version_of_differences && version != first_version_of_classes)
     throw InputError(path, "version", "is not the current version, of which edits take bricks");
   const ShardReader reader(path);
   nodes_ = reader.nodes();

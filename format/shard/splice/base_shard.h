@@ -34,7 +34,7 @@ class BaseShard {
  public:
   /// Reads the nodes, the downsample state, and the columns that state which voxels and rows exist.
   /// Cost    15 ns of one core per voxel, without the values of voxels.
-  /// Errors  InputError: the shard is damaged, or of an earlier version.
+  /// Errors  InputError: the shard is damaged, or of a version with other rows.
   BaseShard(const std::filesystem::path& path, const ThreadPool& pool);
 
   const ShardHeader& header() const { return pages_.header(); }

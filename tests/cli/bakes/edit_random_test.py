@@ -45,11 +45,14 @@ class Scene:
         self.folder, self.rng = Path(tempfile.mkdtemp(dir=root)), rng
         self.out, self.source = self.folder / "out", self.folder / "scene.json"
         self.cell, self.edits, self.source_edits = rng.choice(CELLS), [], []
+        self.source_class = rng.choice((None, 2))
         write_ground(self.folder / "ground.glb")
         self.bake(self.out, self.cell, [])
 
     def write_source(self, path, edits):
         entry = {"path": "ground.glb", "place": {"position_m": [0, 0, 0]}, "edits": self.source_edits}
+        if self.source_class is not None:
+            entry["class"] = self.source_class
         path.write_text(json.dumps({"gigabake": 1, "sources": [entry], "edits": edits}))
 
     def bake(self, out, cell, edits):
@@ -72,6 +75,9 @@ class Scene:
 
     def batch(self):
         new = [random_edit(self.rng) for _ in range(self.rng.randrange(1, 6))]
+        for edit in new:  # the first class of a scene changes all of its cells
+            if edit["type"] != "carve" and self.rng.random() < (0.05 if self.source_class is None else 0.5):
+                edit["class"] = self.rng.randrange(4)
         file = self.folder / "batch.json"
         file.write_text(json.dumps({"edits": new}))
         return file, new

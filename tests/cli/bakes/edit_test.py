@@ -124,10 +124,17 @@ class Edit(harness.FolderTest):
         self.assertFalse((self.scene / "edits.json").exists())
 
     def test_a_small_edit_builds_few_bricks_whatever_the_size_of_the_scene(self):
+        for members in ({}, {"class": 2}):
+            with self.subTest(members):
+                self.expect_few_bricks(members)
+
+    def expect_few_bricks(self, members):
         work = []
         for copies in (1, 5):
-            places = [{"path": "ground.glb", "place": {"position_m": [100 * x, 0, 0]}} for x in range(copies)]
-            source, out = self.root / f"size{copies}.json", self.root / f"size{copies}"
+            places = [{"path": "ground.glb", "place": {"position_m": [100 * x, 0, 0]}, **members}
+                      for x in range(copies)]
+            name = f"size{copies}{''.join(members)}"
+            source, out = self.root / f"{name}.json", self.root / name
             source.write_text(json.dumps({"gigabake": 1, "sources": places}))
             PROGRAM.succeed("bake", source, "-o", out, "--voxel-size", VOXEL_M, *OPTIONS, "--no-overviews")
             reports = [json.loads(PROGRAM.succeed("edit", out, option, "--rgb=1,2,3", "--json"))
