@@ -1,6 +1,8 @@
 #include "worker/edit/edited_nodes.h"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <optional>
 
 #include "kernels/cpu/prune/prune.h"
@@ -67,8 +69,10 @@ class EditedClasses {
 NodesOfLevel stored_nodes(const BaseShard& base, const StoredBricks& stored, std::size_t lod) {
   NodesOfLevel out;
   const NodeTable& nodes = base.nodes();
-  for (std::size_t n = 0; n < nodes.key.size(); ++n) {
-    if (nodes.lod[n] != lod) continue;
+  const auto of_level = std::ranges::equal_range(nodes.lod, std::uint8_t(lod), std::greater());
+  const auto begin = std::size_t(of_level.begin() - nodes.lod.begin());
+  out.reserve(of_level.size());
+  for (std::size_t n = begin; n < begin + of_level.size(); ++n) {
     const bool is_brick = nodes.kind[n] == NodeKind::brick;
     out.push_back({nodes.key[n], is_brick ? StoredNode{} : *stored.node(int(lod), nodes.key[n]),
                    is_brick ? nodes.value[n] : no_stored_brick});
@@ -76,9 +80,14 @@ NodesOfLevel stored_nodes(const BaseShard& base, const StoredBricks& stored, std
   return out;
 }
 
-bool ends_branch(const NodesOfLevel& above, std::uint64_t key) {
-  const EditedNode* parent = find_in(above, key >> 3);
-  return parent == nullptr || kernels::ends_branch(parent->node.kind);
+/// Removes the nodes without a parent, and the nodes whose parent ends the branch.
+void remove_below_leaves(const NodesOfLevel& above, NodesOfLevel& nodes) {
+  auto parent = above.begin();
+  std::erase_if(nodes, [&](const EditedNode& node) {
+    while (parent != above.end() && parent->key < node.key >> 3) ++parent;
+    const bool has_parent = parent != above.end() && parent->key == node.key >> 3;
+    return !has_parent || kernels::ends_branch(parent->node.kind);
+  });
 }
 
 /// Appends the children that an edited brick has from a stored leaf-constant node, in the place of that node.
@@ -99,16 +108,16 @@ EditedNodes edited_nodes(const BaseShard& base, const StoredBricks& stored, cons
   EditedNodes out;
   out.levels.resize(edited.size());
   for (std::size_t lod = edited.size(); lod-- > 0;) {
-    NodesOfLevel& nodes = out.levels[lod];
-    for (const EditedNode& node : stored_nodes(base, stored, lod))
-      if (!is_edited(edited[lod], node.key)) nodes.push_back(node);
-    nodes.insert(nodes.end(), classes.level(lod).begin(), classes.level(lod).end());
-    if (lod + 1 < edited.size()) {
+    NodesOfLevel kept = stored_nodes(base, stored, lod), added = classes.level(lod);
+    std::erase_if(kept, [&](const EditedNode& node) { return is_edited(edited[lod], node.key); });
+    if (lod + 1 < edited.size())
       for (const std::uint64_t parent : edited[lod + 1].keys)
-        add_children_of_leaf(stored, edited[lod], int(lod), parent, nodes);
-      std::erase_if(nodes, [&](const EditedNode& node) { return ends_branch(out.levels[lod + 1], node.key); });
-    }
-    std::ranges::sort(nodes, {}, &EditedNode::key);
+        add_children_of_leaf(stored, edited[lod], int(lod), parent, added);
+    std::ranges::sort(added, {}, &EditedNode::key);
+    NodesOfLevel& nodes = out.levels[lod];
+    nodes.reserve(kept.size() + added.size());
+    std::ranges::merge(kept, added, std::back_inserter(nodes), {}, &EditedNode::key, &EditedNode::key);
+    if (lod + 1 < edited.size()) remove_below_leaves(out.levels[lod + 1], nodes);
   }
   return out;
 }

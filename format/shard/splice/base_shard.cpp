@@ -1,5 +1,9 @@
 #include "format/shard/splice/base_shard.h"
 
+#include <algorithm>
+#include <numeric>
+#include <span>
+
 #include "core/base/error.h"
 #include "format/shard/packed_shard.h"
 #include "format/shard/shard_header.h"
@@ -12,10 +16,51 @@ namespace {
 constexpr std::size_t of_voxels = 0, of_children = 1, of_facing = 2;
 constexpr std::uint64_t bricks_per_part = 64 * bricks_per_start;
 
-std::vector<std::uint8_t> all_bytes(const Hdf5Rows& rows) {
-  std::vector<std::uint8_t> out(rows.rows());
-  rows.read(0, rows.rows(), out.data());
-  return out;
+/// Calls visit(chunk, first row, bytes, thread) for each chunk of a column of bytes.
+template <class Visit>
+void for_each_chunk(const Hdf5Rows& rows, const ThreadPool& pool, const Visit& visit) {
+  if (rows.rows() == 0) return;
+  const std::uint64_t per_chunk = rows.chunk_rows();
+  pool.parallel_for((rows.rows() + per_chunk - 1) / per_chunk, 1, [&](std::size_t chunk, std::size_t, int thread) {
+    const std::uint64_t first = chunk * per_chunk;
+    std::vector<std::uint8_t> bytes(std::min(per_chunk, rows.rows() - first));
+    rows.read(first, bytes.size(), bytes.data());
+    visit(chunk, first, std::span<const std::uint8_t>(bytes), thread);
+  });
+}
+
+AlphaCounts alphas_of(const Hdf5Rows& rows, const ThreadPool& pool) {
+  std::vector<AlphaCounts> of_thread(std::size_t(pool.threads()));
+  for_each_chunk(rows, pool, [&](std::size_t, std::uint64_t, std::span<const std::uint8_t> bytes, int thread) {
+    for (const std::uint8_t alpha : bytes) ++of_thread[std::size_t(thread)][alpha];
+  });
+  AlphaCounts all{};
+  for (const AlphaCounts& some : of_thread)
+    for (std::size_t alpha = 0; alpha < all.size(); ++alpha) all[alpha] += some[alpha];
+  return all;
+}
+
+/// Returns for each position the number of voxels before it that store coverages.
+/// Range   `positions` is ascending. The last one is the number of rows.
+std::vector<std::uint64_t> coverages_before(const Hdf5Rows& planes, std::span<const std::uint64_t> positions,
+                                            const ThreadPool& pool) {
+  std::vector<std::uint64_t> before(positions.size()), of_chunk(1);
+  if (planes.rows() == 0) return before;
+  of_chunk.resize(1 + (planes.rows() + planes.chunk_rows() - 1) / planes.chunk_rows());
+  for_each_chunk(planes, pool, [&](std::size_t chunk, std::uint64_t first, std::span<const std::uint8_t> bytes, int) {
+    auto at = std::size_t(std::ranges::lower_bound(positions, first) - positions.begin());
+    std::uint64_t count = 0;
+    for (std::size_t v = 0; v < bytes.size(); ++v) {
+      for (; positions[at] == first + v; ++at) before[at] = count;
+      count += stores_coverage(bytes[v], false) ? 1 : 0;
+    }
+    of_chunk[chunk + 1] = count;
+  });
+  std::partial_sum(of_chunk.begin(), of_chunk.end(), of_chunk.begin());
+  for (std::size_t at = 0; at < positions.size(); ++at)
+    before[at] =
+        positions[at] == planes.rows() ? of_chunk.back() : before[at] + of_chunk[positions[at] / planes.chunk_rows()];
+  return before;
 }
 
 /// Appends masks and first voxels.
@@ -46,7 +91,7 @@ BaseShard::BaseShard(const std::filesystem::path& path, const ThreadPool& pool)
     for (const LevelColumn column : level_columns(header(), int(lod)))
       levels_[lod].columns[std::size_t(column)] = std::make_unique<Hdf5Rows>(file_, level_column(int(lod), column));
   read_masks(pool);
-  pool.parallel_for(lods(), 1, [this](std::size_t lod, std::size_t, int) { read_rows(lod); });
+  for (BaseLevel& level : levels_) read_rows(level, pool);
 }
 
 /// Decodes the masks of all levels, from the coarsest.
@@ -78,20 +123,16 @@ void BaseShard::read_masks(const ThreadPool& pool) {
 }
 
 /// Counts alphas, and the rows of the column `facing`.
-void BaseShard::read_rows(std::size_t lod) {
-  BaseLevel& level = levels_[lod];
-  for (const std::uint8_t alpha : all_bytes(*level.columns[std::size_t(LevelColumn::alpha)])) ++level.alphas[alpha];
+void BaseShard::read_rows(BaseLevel& level, const ThreadPool& pool) {
+  level.alphas = alphas_of(*level.columns[std::size_t(LevelColumn::alpha)], pool);
   const Hdf5Rows* facing = level.columns[std::size_t(LevelColumn::facing)].get();
   if (facing == nullptr) return;
-  const Hdf5Rows* stored = level.columns[std::size_t(LevelColumn::plane)].get();
-  const std::vector<std::uint8_t> planes =
-      stored != nullptr ? all_bytes(*stored) : std::vector<std::uint8_t>(level.bricks.first.back());
-  for (std::size_t b = 0; b < level.key.size(); ++b) {
-    std::uint64_t rows = level.before[b][of_facing];
-    for (std::uint64_t v = level.bricks.first[b]; v < level.bricks.first[b + 1]; ++v)
-      rows += stores_coverage(planes[v], false) ? 1 : 0;
-    level.before[b + 1][of_facing] = rows;
-  }
+  const Hdf5Rows* planes = level.columns[std::size_t(LevelColumn::plane)].get();
+  const std::vector<std::uint64_t>& first = level.bricks.first;
+  if (planes != nullptr && planes->rows() != first.back())
+    file_.fail("plane", "has another number of rows than its level has voxels");
+  const std::vector<std::uint64_t> before = planes != nullptr ? coverages_before(*planes, first, pool) : first;
+  for (std::size_t b = 0; b < before.size(); ++b) level.before[b][of_facing] = before[b];
   if (level.before.back()[of_facing] != facing->rows()) is_spliceable_ = false;
 }
 

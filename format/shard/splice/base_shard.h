@@ -11,6 +11,7 @@
 #include "core/base/thread_pool.h"
 #include "core/codec/packed_level.h"
 #include "format/shard/hdf5/hdf5_rows.h"
+#include "format/shard/levels/level_summary.h"
 #include "format/shard/shard.h"
 #include "format/shard/shard_pages.h"
 
@@ -27,7 +28,7 @@ struct BaseLevel {
   BrickLevel bricks;                                                  ///< only masks and first voxels
   std::vector<BrickRows> before;                                      ///< bricks + 1 entries
   std::array<std::unique_ptr<Hdf5Rows>, level_column_count> columns;  ///< by LevelColumn; null: not stored
-  std::array<std::uint64_t, 256> alphas = {};                         ///< number of voxels with each alpha
+  AlphaCounts alphas = {};                                            ///< number of voxels with each alpha
 };
 
 class BaseShard {
@@ -52,7 +53,7 @@ class BaseShard {
 
  private:
   void read_masks(const ThreadPool& pool);
-  void read_rows(std::size_t lod);
+  void read_rows(BaseLevel& level, const ThreadPool& pool);
 
   ShardPages pages_;
   Hdf5File file_;
