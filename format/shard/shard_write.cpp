@@ -134,7 +134,8 @@ StoredSplice write_spliced_shard(const std::filesystem::path& path, const Splice
   };
   options.pool.parallel_for(levels.size(), 1, [&](std::size_t lod, std::size_t, int) {
     const SplicedLevel* above = lod + 1 < levels.size() ? &shard.levels[lod + 1] : nullptr;
-    levels[lod] = std::make_unique<SplicedRows>(shard.levels[lod], above, base.level(lod), has_coverage(lod));
+    levels[lod] = std::make_unique<SplicedRows>(shard.levels[lod], above, base.level(lod), has_coverage(lod),
+                                                options.pool.threads());
   });
   options.pool.parallel_for(columns_of_all.size(), 1, [&](std::size_t c, std::size_t, int) {
     levels[columns_of_all[c].first]->read_chunks(columns_of_all[c].second);

@@ -7,13 +7,17 @@
 
 namespace gigabake {
 
-SplicedRows::SplicedRows(const SplicedLevel& level, const SplicedLevel* above, const BaseLevel& base, bool has_coverage)
+SplicedRows::SplicedRows(const SplicedLevel& level, const SplicedLevel* above, const BaseLevel& base, bool has_coverage,
+                         int threads)
     : level_(level),
       base_(base),
       differences_(level.bricks, above != nullptr ? &above->bricks : nullptr, level.parents, has_coverage,
                    callers_thread()),
       rows_{rows_of(0), rows_of(1), rows_of(2)},
-      starts_(starts()) {}
+      starts_(starts()) {
+  for (std::size_t c = 0; c < recent_.size(); ++c)
+    if (base.columns[c] != nullptr) recent_[c] = std::make_unique<RecentChunks>(*base.columns[c], threads);
+}
 
 std::vector<SplicedRows::Rows> SplicedRows::rows_of(std::size_t counted) const {
   std::vector<Rows> out;
@@ -67,7 +71,7 @@ void SplicedRows::collect(LevelColumn column, std::uint64_t first, std::uint64_t
     if (at->is_new)
       differences_.collect(column, from, to);
     else
-      base_.columns[std::size_t(column)]->read(from, end - row, to.data());
+      recent_[std::size_t(column)]->read(from, width, to);
     row = end;
   }
 }

@@ -3,12 +3,14 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/base/thread_pool.h"
 #include "format/shard/columns/level_differences.h"
 #include "format/shard/splice/base_shard.h"
+#include "format/shard/splice/recent_chunks.h"
 
 namespace gigabake {
 
@@ -29,8 +31,10 @@ struct SplicedLevel {
 /// The columns of a spliced level.
 class SplicedRows {
  public:
-  /// Borrows all arguments. `above` is the next coarser level; null: the level is the coarsest.
-  SplicedRows(const SplicedLevel& level, const SplicedLevel* above, const BaseLevel& base, bool has_coverage);
+  /// Borrows all arguments. `above` is the next coarser level; null: the level is the coarsest. `threads` is the number
+  /// of threads that call collect(), which is fastest in the order of the rows.
+  SplicedRows(const SplicedLevel& level, const SplicedLevel* above, const BaseLevel& base, bool has_coverage,
+              int threads);
 
   /// Reads the chunks that can be copied as stored: their rows are the rows of one chunk of the base.
   /// Errors  InputError: a chunk of the base is damaged.
@@ -58,6 +62,7 @@ class SplicedRows {
 
   const SplicedLevel& level_;
   const BaseLevel& base_;
+  std::array<std::unique_ptr<RecentChunks>, level_column_count> recent_;  ///< of the columns of the base
   LevelDifferences differences_;
   std::array<std::vector<Rows>, 3> rows_;  ///< by counted_by()
   std::vector<std::uint64_t> starts_;      ///< the column `first`

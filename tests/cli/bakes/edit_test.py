@@ -146,6 +146,16 @@ class Edit(harness.FolderTest):
         for bricks, written, copied, read in work[0]:
             self.assertTrue(0 < bricks <= 4 * 2 * 8 and copied <= written and read == 0, work[0])
 
+    def test_rows_that_move_are_unpacked_once(self):
+        out = self.root / "fine"
+        PROGRAM.succeed("bake", scene_file(self.root / "fine.json", []), "-o", out, "--voxel-size", 1 / 32,
+                        "--cell-voxels", 1024, "--no-overviews")
+        report = json.loads(PROGRAM.succeed("edit", out, "--fill=box:-11,-11,-1,-10,-10,3", "--rgb=1,2,3", "--json"))
+        work = report["run"]["work"]
+        self.assertGreater(work["edited_bricks"], 0)
+        # Masks, alphas and planes are read twice. Chunks of two pieces were unpacked twice: 3.5 times the bytes.
+        self.assertLess(work["shard_bytes_read"], 2.2 * work["shard_bytes_written"])
+
     def test_a_damaged_shard_is_not_edited_but_baked_again(self):
         for name in shards(self.scene):
             if "/c_" in name:
