@@ -165,6 +165,7 @@ struct MarchState {
   std::int32_t lod = 0;       ///< level of the brick that holds the sample
   double in_brick_until = 0;  ///< samples before this step lie in that brick; later samples may not
   CastHead head;              ///< the header of that brick
+  CastCorners corners;        ///< the taps of the sample to process; unused on devices, to save registers
 };
 
 /// Returns the ray's current sample in the coordinates of SampleLocation::at, for the level of the sample's brick.
@@ -246,6 +247,18 @@ GB_HD bool enter_brick(const CastScene& scene, const CastLine& line, bool blocki
   return true;
 }
 
+/// Tests whether the field at the point is not zero. On hosts keeps the taps for pass_point().
+GB_HD bool has_taps(const CastScene& scene, const FixedPoint& at, MarchState& march) {
+  const CastPoint point = point_in_brick(at, march.lod);
+#if defined(__CUDA_ARCH__)
+  return !is_zero(march.head.blocks, scene.brick(march.head), point);
+#else
+  if (is_empty_block(march.head.blocks, point.base.v)) return false;
+  march.corners = corners_of(scene.brick(march.head), point);
+  return march.corners.there() != 0;
+#endif
+}
+
 /// Skips empty space once, towards the next sample with a non-zero field or the next surface hit. The ray's task
 /// becomes `none` if the ray leaves the scene or waits.
 GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool blocking, MarchState& march, CastPath& path,
@@ -255,7 +268,7 @@ GB_HD void seek_surface(const CastScene& scene, const CastLine& line, bool block
     if (!enter_brick(scene, line, blocking, march, path, ray)) return;
   }
   const FixedPoint at = point_of(line, march, ray);
-  if (!is_zero(march.head.blocks, scene.brick(march.head), point_in_brick(at, march.lod))) {
+  if (has_taps(scene, at, march)) {
     march.task = CastTask::pass;
     return;
   }
@@ -276,8 +289,12 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
                       CastRay& ray) {
   const BrickTraits brick{march.lod, march.frame.cell, march.waits};
   const double distance = point_distance(line, ray.lod, ray.step);
-  const CastPoint point = point_in_brick(point_of(line, march, ray), march.lod);
-  const CastCorners corners = corners_of(scene.brick(march.head), point);
+#if defined(__CUDA_ARCH__)
+  const CastCorners corners =
+      corners_of(scene.brick(march.head), point_in_brick(point_of(line, march, ray), march.lod));
+#else
+  const CastCorners& corners = march.corners;
+#endif
   const NeighbourhoodSurface neighbourhood =
       classify_neighbourhood(corners, brick.lod, ray.lod, brick.waits, ray.normal);
   const SurfaceBlend& blend = neighbourhood.blend;

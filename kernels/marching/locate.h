@@ -17,6 +17,13 @@
 
 namespace gigabake::kernels {
 
+/// Marks find_brick(). Hosts inline it, because a call copies the point and the result through memory.
+#if defined(__CUDACC__)
+#define GB_HD_INLINED GB_HD
+#else
+#define GB_HD_INLINED __attribute__((always_inline)) inline
+#endif
+
 /// Returns the index of the highest set bit; v ≠ 0.
 GB_HD int highest_bit(std::uint64_t v) {
 #if defined(__CUDA_ARCH__)
@@ -330,8 +337,8 @@ GB_HD void count_for_level(int from, int to, FixedPoint& point) {
 /// true instead. `frame` is the cell that is tried first, and receives the cell that was found. `path` must stem from
 /// the current pass.
 /// Cost    One dependent load per level below the deepest node shared with `path`; one more descent per missing level.
-GB_HD SampleLocation find_brick(const CastScene& scene, const CastLine& line, int lod, const FixedPoint& point,
-                                bool blocking, CellFrame& frame, CastPath& path) {
+GB_HD_INLINED SampleLocation find_brick(const CastScene& scene, const CastLine& line, int lod, const FixedPoint& point,
+                                        bool blocking, CellFrame& frame, CastPath& path) {
   SampleLocation place;
   FixedPoint at = point;
   float within = 1e30f;  // exit distance from the nodes at which descents for finer levels ended

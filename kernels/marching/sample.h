@@ -77,17 +77,4 @@ GB_HD bool is_zero(std::uint64_t blocks, const BrickView& brick, const CastPoint
   return is_empty_block(blocks, point.base.v) || corners_of(brick, point).there() == 0;
 }
 
-GB_HD CastSample interpolate(const CastCorners& corners) {
-  CastSample r;
-  GB_NO_UNROLL
-  for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
-    const int c = lowest_one(left);
-    const CastVoxel voxel = corners.stored(c);
-    const float by = corners.weight(c) * (1.0f / 65535);
-    GB_UNROLL
-    for (int k = 0; k < cast_channels; ++k) r.c[k] += by * voxel.c[k];
-  }
-  return r;
-}
-
 }  // namespace gigabake::kernels

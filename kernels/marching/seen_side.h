@@ -31,7 +31,7 @@ struct SurfaceSide {
   bool is_mixed = false;        ///< some normals were turned
 };
 
-GB_HD SurfaceSide surface_side(const CastCorners& corners) {
+GB_HD SurfaceSide surface_side_by_voxel(const CastCorners& corners) {
   SurfaceSide side;
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
@@ -46,6 +46,52 @@ GB_HD SurfaceSide surface_side(const CastCorners& corners) {
     side.signed_distance += turned * signed_distance_to(corners, c, voxel);
   }
   return side;
+}
+
+#if defined(GB_HAS_TAP_VECTORS)
+/// The lanes of taps whose normals are opposite to a normal, and that normal.
+struct OppositeLanes {
+  Vec3<float> first{0, 0, 0};  ///< the first normal of the taps; 0: no tap has a normal
+  TapInts is_opposite{};       ///< are_opposite()
+  TapFloats squared;           ///< squared lengths of the normals
+
+  explicit OppositeLanes(const TapNormals& n) : squared(n.dot(n.x, n.y, n.z)) {
+    const std::uint32_t has_normal = lanes_in(squared > 0);
+    if (has_normal == 0) return;
+    const int c = lowest_one(has_normal);
+    first = {n.x[c], n.y[c], n.z[c]};
+    const TapFloats along = n.dot(TapFloats{} + first[0], TapFloats{} + first[1], TapFloats{} + first[2]);
+    is_opposite = (along < 0) & (2 * (along * along) >= squared * dot(first, first));
+  }
+};
+
+/// Replaces surface_side_by_voxel() on hosts with vectors, with the same bits.
+inline SurfaceSide surface_side_by_lane(const CastCorners& corners, const TapVectors& taps, const TapNormals& n,
+                                        const OppositeLanes& lanes) {
+  const TapFloats by = taps.weight * ((taps.coverage(0) + taps.coverage(1) + taps.coverage(2)) * 257);
+  const TapFloats turned = lanes.is_opposite ? -by : by;
+  const TapInts plane = taps.plane(), offset = (plane & 3) != 0 ? (plane >> 2 & 15) - 8 : 0;
+  const TapFloats along = n.dot(corners.between[0] - TapFloats{0, 1, 0, 1, 0, 1, 0, 1},
+                                corners.between[1] - TapFloats{0, 0, 1, 1, 0, 0, 1, 1},
+                                corners.between[2] - TapFloats{0, 0, 0, 0, 1, 1, 1, 1});
+  const TapFloats distance = along * (1.0f / 127) - __builtin_convertvector(offset, TapFloats) * (0.5f / max_offset);
+  const TapFloats rows[8] = {n.x * turned, n.y * turned, n.z * turned, turned * distance, {}, {}, {}, {}};
+  float sums[8] = {};
+  sum_lanes(rows, sums);
+  const ByteVector first = byte_vector(int(lanes.first[0]), int(lanes.first[1]), int(lanes.first[2]));
+  return {{sums[0], sums[1], sums[2]}, sums[3], first, lanes_in(lanes.is_opposite) != 0};
+}
+#endif
+
+GB_HD SurfaceSide surface_side(const CastCorners& corners) {
+#if defined(GB_HAS_TAP_VECTORS)
+  if (corners.there() == 0) return {};
+  const TapVectors taps(corners, corners.there());
+  const TapNormals n(taps);
+  return surface_side_by_lane(corners, taps, n, OppositeLanes(n));
+#else
+  return surface_side_by_voxel(corners);
+#endif
 }
 
 /// Tests whether a ray of this direction, which enters a surface near the point, meets the side to which no or not all
@@ -69,9 +115,9 @@ struct SideLight {
 
 /// Adds the light of the eight voxels around a point. `to_eye` points to the side of the surface that is seen.
 /// `of_surface` selects the weights of surface_sample(), otherwise the weights of interpolate() apply.
-GB_HD void add_light(const CastCorners& corners, const CastLight& light, const Vec3<float>& to_eye, bool of_surface,
-                     SideLight& sums) {
-  const SurfaceSide side = surface_side(corners);
+GB_HD void add_light_by_voxel(const CastCorners& corners, const CastLight& light, const Vec3<float>& to_eye,
+                              bool of_surface, SideLight& sums) {
+  const SurfaceSide side = surface_side_by_voxel(corners);
   const bool is_behind = dot(side.normal, to_eye) < 0;
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
@@ -88,6 +134,53 @@ GB_HD void add_light(const CastCorners& corners, const CastLight& light, const V
       sums.seen[k] += is_other && on_normal > 0 ? own * (irradiance(light, n * -unit, k) / on_normal) : own;
     }
   }
+}
+
+#if defined(GB_HAS_TAP_VECTORS)
+/// Returns irradiance() per lane.
+inline TapFloats irradiance_of_lanes(const CastLight& light, const TapNormals& n, const TapFloats& unit, int channel) {
+  const TapFloats x = n.x * unit, y = n.y * unit, z = n.z * unit;
+  const TapFloats cosine = (x * light.to_sun[0] + y * light.to_sun[1]) + z * light.to_sun[2], up = 0.5f + 0.5f * z;
+  return light.sun[channel] * (cosine > 0 ? cosine : TapFloats{}) +
+         (light.sky[channel] * up + light.ground[channel] * (1 - up));
+}
+
+/// Replaces add_light_by_voxel() on hosts with vectors, with the same bits.
+inline void add_light_by_lane(const CastCorners& corners, const CastLight& light, const Vec3<float>& to_eye,
+                              bool of_surface, SideLight& sums) {
+  if (corners.there() == 0) return;
+  const TapVectors taps(corners, corners.there());
+  const TapNormals n(taps);
+  const OppositeLanes lanes(n);
+  const bool is_behind = dot(surface_side_by_lane(corners, taps, n, lanes).normal, to_eye) < 0;
+  const TapInts is_other = (lanes.squared > 0) & (is_behind ? ~lanes.is_opposite : lanes.is_opposite);
+  const TapFloats by = of_surface ? taps.weight * taps.blend_weight() : taps.weight;
+  TapFloats rows[8] = {};
+  for (int k = 0; k < 3; ++k) rows[k] = rows[3 + k] = by * taps.channel(k);
+  if (lanes_in(is_other) != 0) {
+    const TapFloats unit = 1 / square_root(lanes.squared);
+    for (int k = 0; k < 3; ++k) {
+      const TapFloats on_normal = irradiance_of_lanes(light, n, unit, k);
+      const TapFloats seen = rows[k] * (irradiance_of_lanes(light, n, -unit, k) / on_normal);
+      rows[3 + k] = (is_other & (on_normal > 0)) ? seen : rows[k];
+    }
+  }
+  float values[8] = {sums.stored[0], sums.stored[1], sums.stored[2], sums.seen[0], sums.seen[1], sums.seen[2]};
+  sum_lanes(rows, values);
+  for (int k = 0; k < 3; ++k) {
+    sums.stored[k] = values[k];
+    sums.seen[k] = values[3 + k];
+  }
+}
+#endif
+
+GB_HD void add_light(const CastCorners& corners, const CastLight& light, const Vec3<float>& to_eye, bool of_surface,
+                     SideLight& sums) {
+#if defined(GB_HAS_TAP_VECTORS)
+  add_light_by_lane(corners, light, to_eye, of_surface, sums);
+#else
+  add_light_by_voxel(corners, light, to_eye, of_surface, sums);
+#endif
 }
 
 /// Returns, per channel, the light on the side that a ray of this direction meets, relative to the light that the

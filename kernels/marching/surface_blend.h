@@ -15,25 +15,12 @@
 
 #include "core/base/host_device.h"
 #include "core/octree/plane.h"
+#include "kernels/marching/blended_planes.h"
 #include "kernels/marching/sample.h"
 #include "kernels/marching/scene.h"
+#include "kernels/marching/tap_vectors.h"
 
 namespace gigabake::kernels {
-
-struct SurfaceBlend {
-  float weight = 0;      ///< sum of interpolation weight · blend_weight() of the existing voxels
-  Vec3<float> normal{};  ///< sum of the same weights · octahedral normal, 127 represents 1
-  float above = 0;       ///< sum of the same weights · signed distance of the point; 127 represents half a voxel
-
-  /// Returns the point's signed distance in voxels; 0 if there is no surface.
-  GB_HD float signed_distance() const { return weight > 0 ? above / (weight * 254) : 0; }
-
-  /// Returns the change of the signed distance per voxel along the line.
-  /// Range   `weight` > 0.
-  GB_HD float slope(const Vec3d& direction) const {
-    return dot(normal, static_cast<Vec3<float>>(direction)) / (weight * 127);
-  }
-};
 
 /// A translucent surface; its opacity does not depend on the viewing angle.
 struct TranslucentSurface {
@@ -47,40 +34,6 @@ struct ResidualSample {
   TranslucentSurface translucent = {};
 };
 
-GB_HD int coherence_of(const CastVoxel& voxel) { return unpack_plane(voxel.plane).coherence; }
-
-/// Returns the blend weight of a voxel's plane: coherence × mean coverage, 0 to 3. Planes of barely covered voxels are
-/// unreliable.
-GB_HD float blend_weight(const CastVoxel& voxel) {
-  const int covered = (voxel.c[3] + voxel.c[4]) + voxel.c[5];
-  return float(coherence_of(voxel) * covered) * (1.0f / (3 * 65535));
-}
-
-/// A vector of three signed bytes x, y, z; the fourth byte is 0.
-using ByteVector = std::uint32_t;
-
-GB_HD ByteVector byte_vector(int x, int y, int z) {
-  return std::uint32_t(x & 255) | std::uint32_t(y & 255) << 8 | std::uint32_t(z & 255) << 16;
-}
-
-GB_HD ByteVector normal_of(const CastVoxel& voxel) {
-  return byte_vector(voxel.normal[0], voxel.normal[1], voxel.normal[2]);
-}
-
-GB_HD std::int32_t dot(ByteVector a, ByteVector b) {
-#if defined(__CUDA_ARCH__)
-  return __dp4a(int(a), int(b), 0);
-#else
-  std::int32_t sum = 0;
-  for (int i = 0; i < 24; i += 8) sum += std::int8_t(a >> i & 255) * std::int8_t(b >> i & 255);
-  return sum;
-#endif
-}
-
-GB_HD Vec3<float> vector_of_normal(const CastVoxel& voxel) {
-  return {float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
-}
-
 /// Returns |cosine| between a unit direction and a vector of any length; 1 for a zero vector.
 GB_HD float length_along(const Vec3d& direction, const Vec3<float>& n) {
   const float squared = dot(n, n);
@@ -92,6 +45,19 @@ GB_HD float length_along(const Vec3d& direction, const Vec3<float>& n) {
 GB_HD_NOINLINE TranslucentSurface translucent_surface_at(CastCorners corners, double x, double y, double z) {
   const Vec3d direction{x, y, z};
   float there = 0, hidden = 0, across = 0;
+#if defined(GB_HAS_TAP_VECTORS)
+  if (corners.there() == 0) return {};
+  const TapVectors taps(corners, corners.there());
+  const TapInts is_covered = (taps.coverage(0) + taps.coverage(1) + taps.coverage(2)) != 0;
+  const TapFloats weight = is_covered ? taps.weight : TapFloats{};
+  const TapFloats along = taps.plane() == 0 ? TapFloats{} + 1 : TapNormals(taps).length_along(direction);
+  const TapFloats rows[8] = {weight, weight * taps.channel(3), weight * along, {}, {}, {}, {}, {}};
+  float sums[8] = {};
+  sum_lanes(rows, sums);
+  there = sums[0];
+  hidden = sums[1];
+  across = sums[2];
+#else
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
     const int c = lowest_one(left);
@@ -102,66 +68,28 @@ GB_HD_NOINLINE TranslucentSurface translucent_surface_at(CastCorners corners, do
     hidden += weight * voxel.c[3];
     across += weight * (voxel.plane == 0 ? 1 : length_along(direction, vector_of_normal(voxel)));
   }
+#endif
   return there > 0 ? TranslucentSurface{hidden / (there * 65535), across / there} : TranslucentSurface{};
 }
 
-/// The blended planes of the voxels around a point.
-struct BlendedPlanes {
-  SurfaceBlend blend;
-  int bits = 0;           ///< bitwise OR of the plane bytes
-  bool is_flat = false;   ///< the voxels are one flat surface: disagreement() is 0 for each of them
-  bool is_mixed = false;  ///< some normals are opposite to others
-};
-
-/// Tests whether the planes with these normals are within 12.9° of each other, whichever sides the normals point to. If
-/// all planes are this close to the first plane, so is the blended plane. Rounding to bytes turns the blended normal by
-/// less than half a degree. Each plane is therefore within 30° of the blended plane.
-GB_HD bool is_same_slope(ByteVector a, ByteVector b) {
-  const float along = float(dot(a, b)), all = float(dot(a, a)) * float(dot(b, b));
-  return along * along >= 0.95f * all;
-}
-
-/// Tests whether two normals belong to similar planes but point to opposite sides: their angle is at least 135°.
-/// Triangles of one surface may be wound differently. Normals at a crease of a surface are closer to each other.
-GB_HD bool are_opposite(ByteVector a, ByteVector b) {
-  const int along = dot(a, b);
-  if (along >= 0) return false;
-  return 2 * (float(along) * float(along)) >= float(dot(a, a)) * float(dot(b, b));
-}
-
-/// Blends the planes of the voxels. The point's position between the voxels is rounded to 1/127 voxel. The signed
-/// distance to a plane is then one dot product of bytes. Planes whose normals are opposite to `side` are turned, so
-/// that inconsistent winding does not cancel a surface. If `side` is 0, the first plane's normal takes its place.
-GB_HD BlendedPlanes blend_planes(const CastCorners& corners, ByteVector side) {
-  Vec3<int> place;
-  GB_UNROLL
-  for (int a = 0; a < 3; ++a) place[a] = int(corners.between[a] * 127 + 0.5f);
-  const ByteVector from_first = byte_vector(place[0], place[1], place[2]);
-  SurfaceBlend r;
-  ByteVector first = 0;
-  bool is_flat = true, is_mixed = false;
-  int bits = 0;
+/// Returns the interpolated voxels.
+GB_HD CastSample interpolate(const CastCorners& corners) {
+#if defined(GB_HAS_TAP_VECTORS)
+  if (corners.there() == 0) return {};
+  const TapVectors taps(corners, corners.there());
+  return taps.sum_channels(taps.weight * (1.0f / 65535));
+#else
+  CastSample r;
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
     const int c = lowest_one(left);
     const CastVoxel voxel = corners.stored(c);
-    bits |= voxel.plane;
-    const ByteVector n = normal_of(voxel);
-    if (first == 0) first = n;
-    if (side == 0 && voxel.plane != 0) side = n;
-    is_flat = is_flat && is_fully_planar(voxel.plane) && is_same_slope(n, first);
-    const int along = dot(n, from_first) - dot(n, byte_vector(127 * (c & 1), 127 * (c >> 1 & 1), 127 * (c >> 2)));
-    const int above = 2 * max_offset * along - 127 * 127 * unpack_plane(voxel.plane).offset;
-    const bool is_turned = are_opposite(n, side);
-    is_mixed = is_mixed || is_turned;
-    const float by = corners.weight(c) * blend_weight(voxel), turned = is_turned ? -by : by;
+    const float by = corners.weight(c) * (1.0f / 65535);
     GB_UNROLL
-    for (int a = 0; a < 3; ++a) r.normal[a] += turned * float(voxel.normal[a]);
-    r.weight += by;
-    r.above += turned * float(above);
+    for (int k = 0; k < cast_channels; ++k) r.c[k] += by * voxel.c[k];
   }
-  r.above *= 1.0f / (127 * max_offset);
-  return {r, bits, is_flat, is_mixed};
+  return r;
+#endif
 }
 
 /// A normal of a blended surface, scaled to 127 along its largest axis.
@@ -271,6 +199,11 @@ GB_HD ResidualSample volumetric_residual(const CastCorners& corners, const Neigh
 
 /// Returns the colour and coverage of the blended surface, without the residual.
 GB_HD CastSample surface_sample(const CastCorners& corners) {
+#if defined(GB_HAS_TAP_VECTORS)
+  if (corners.there() == 0) return {};
+  const TapVectors taps(corners, corners.there());
+  return taps.sum_channels(taps.weight * taps.blend_weight() * (1.0f / 65535));
+#else
   CastSample r;
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
@@ -281,6 +214,7 @@ GB_HD CastSample surface_sample(const CastCorners& corners) {
     for (int k = 0; k < cast_channels; ++k) r.c[k] += by * voxel.c[k];
   }
   return r;
+#endif
 }
 
 /// Returns the fraction of a surface's part in one column of voxels that lies in two given voxels of the column. `at`

@@ -100,6 +100,7 @@ struct LayerWindow {
 
 /// Returns the window that begins at voxel `at` = x + 9y.
 GB_HD LayerWindow window_of(const CastLayer& layer, int at) {
+#if defined(__CUDA_ARCH__)
   const int word = at / 32, bit = at % 32;
   const std::uint32_t last = layer.bits[2] & last_places_mask, second = layer.bits[1];
   const std::uint32_t own = word == 0 ? layer.bits[0] : word == 1 ? second : last;
@@ -110,6 +111,19 @@ GB_HD LayerWindow window_of(const CastLayer& layer, int at) {
       word == 0 ? -ones_in(own >> bit) : ones_in(own & ((1u << bit) - 1)) + (word == 1 ? 0 : ones_in(second));
   const std::uint32_t first = behind_first_word + std::uint32_t(since);
   return {bits, first, first + std::uint32_t(ones_in(bits & ((1u << slot_edge) - 1)))};
+#else
+  const std::uint64_t low = layer.bits[0] | std::uint64_t(layer.bits[1]) << 32, last = layer.bits[2] & last_places_mask;
+  std::uint32_t first = (layer.bits[2] >> last_places) - std::uint32_t(ones_in(layer.bits[0]));
+  std::uint64_t bits = last >> (at & 63), before = low;
+  if (at < 64) {
+    bits = low >> at | last << 1 << (63 - at);
+    before = low & ((std::uint64_t(1) << at) - 1);
+  } else {
+    first += std::uint32_t(std::popcount(last & ((std::uint64_t(1) << (at - 64)) - 1)));
+  }
+  first += std::uint32_t(std::popcount(before));
+  return {std::uint32_t(bits), first, first + std::uint32_t(ones_in(std::uint32_t(bits) & ((1u << slot_edge) - 1)))};
+#endif
 }
 
 GB_HD CastHead load_head(const CastHead* at) {
