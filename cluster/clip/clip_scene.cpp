@@ -91,6 +91,12 @@ class SceneClipper {
     if (cells_.empty()) throw UsageError("no cell of the scene intersects the area of interest");
   }
 
+  void store(InFlightCell& cell) {
+    if (cell.is_final) return;
+    stages_.write(cell);
+    stages_.publish(cell);
+  }
+
   /// Throws UsageError if all cells are on the border and none has a voxel inside.
   void expect_voxels() const {
     for (const CellReport& report : reports_)
@@ -121,7 +127,7 @@ class SceneClipper {
     if (overlap(cell) != AreaOverlap::inside) {
       InFlightCell clipped(plan_.jobs[index]);
       stages_.clip(clipped, open_shard_of_scene(scene_.file(), scene_.header(), cell));
-      if (!clipped.is_final) stages_.write(clipped);
+      store(clipped);
       return std::move(clipped.report);
     }
     std::error_code error;
@@ -139,7 +145,7 @@ class SceneClipper {
     stages_.read(overview);
     stages_.compute(overview);
     stages_.read_back(overview, 0);
-    if (!overview.is_final) stages_.write(overview);
+    store(overview);
     return std::move(overview.report);
   }
 

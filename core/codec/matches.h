@@ -52,8 +52,10 @@ GB_HD bool in_reach(std::uint32_t distance) { return distance - 1 < max_distance
 /// that block exceeds max_distance. aged() must update the table at the start of each block, before positions wrap at
 /// 65,536.
 GB_HD Bucket empty_bucket(std::uint32_t position) { return Bucket(position - block_bytes); }
+/// Compares 16-bit numbers, so that the host ages a vector of buckets at once: distances in reach are positive.
 GB_HD Bucket aged(Bucket bucket, std::uint32_t position) {
-  return in_reach(distance_to(bucket, position)) ? bucket : empty_bucket(position);
+  static_assert(max_distance == 0x7fff);
+  return std::int16_t(position - bucket) > 0 ? bucket : empty_bucket(position);
 }
 
 /// A match; length 0 means no match.

@@ -71,9 +71,9 @@ struct Shard {
 struct ShardWriteOptions {
   const ThreadPool& pool = callers_thread();  ///< threads that deduplicate values and compress chunks
   Codec codec = Codec::lz4;
-  /// Memory limit in bytes for the image of a file, in addition to the columns. HDF5 builds a packed shard
-  /// (packed_shard.h) in memory if its chunks are packed, which the image does not copy, or need at most this memory.
-  /// It writes other packed shards directly to the file.
+  /// Memory limit in bytes for the image of a file, in addition to the columns. HDF5 builds a packed shard in memory if
+  /// its chunks are packed (packed_shard.h), which the image does not copy, or need at most this memory; also a small
+  /// shard of arrays. It writes other shards directly to the file.
   std::uint64_t image_bytes = std::uint64_t(64) << 20;
 };
 

@@ -13,6 +13,7 @@
 #include "format/shard/shard.h"
 #include "format/shard/shard_layout.h"
 #include "format/shard/splice/spliced_shard.h"
+#include "format/shard/temporary_shard.h"
 #include "format/system/descriptor.h"
 #include "format/system/meters/stage_clock.h"
 #include "format/system/publish.h"
@@ -93,11 +94,9 @@ struct Ahead {
   }
 };
 
-/// Publishes the complete file at publication.temporary() and returns its size.
-std::uint64_t publish(Publication& publication) {
-  const InStage writing(BakeStage::writing);
-  const std::uint64_t bytes = std::filesystem::file_size(publication.temporary());
-  publication.publish();
+/// Returns the size of a complete file.
+std::uint64_t written_bytes(const std::filesystem::path& temporary) {
+  const std::uint64_t bytes = std::filesystem::file_size(temporary);
   count_work(WorkCounter::shard_bytes_written, bytes);
   return bytes;
 }
@@ -109,18 +108,57 @@ void write_image(const FileImage& image, const std::filesystem::path& temporary,
   if (!out.is_open() || !image.write_to(out)) fail_to(path, "write");
 }
 
+/// Writes the temporary file of a publication with `write`, and publishes it.
+template <class Write>
+StoredShard published(const std::filesystem::path& path, const Write& write) {
+  Publication publication(path);
+  StoredShard stored = write(publication.temporary());
+  const InStage writing(BakeStage::writing);
+  publication.publish();
+  return stored;
+}
+
+FileImage& image_of_thread() {
+  thread_local FileImage image;  // one per writer thread
+  return image;
+}
+
+/// Returns an upper bound of the bytes of all arrays of the levels.
+std::uint64_t array_bytes(const Shard& shard) {
+  constexpr std::uint64_t voxel_bytes = 4 + 2 + directional_coverage_bytes + sizeof(VoxelClass), brick_bytes = 72;
+  std::uint64_t bytes = 0;
+  for (const BrickLevel& level : shard.levels)
+    bytes += voxel_bytes * (level.rgba.size() / 4) + brick_bytes * (level.mask.size() / 8);
+  return bytes;
+}
+
+/// Max bytes of the arrays of a small shard. One thread packs it in about the time that threads need to join, and its
+/// time is mostly that of HDF5's calls: these write to memory, without system calls.
+constexpr std::uint64_t small_shard_bytes = std::uint64_t(1) << 20;
+
 }  // namespace
 
-StoredShard write_shard(const std::filesystem::path& path, const Shard& shard, const ShardWriteOptions& options) {
-  Publication publication(path);
-  StoredShard stored = make_file(Hdf5File::create(publication.temporary(), path), shard.header, shard.above, options,
-                                 [&](ShardColumns& columns) {
+StoredShard write_temporary_shard(const std::filesystem::path& temporary, const std::filesystem::path& path,
+                                  const Shard& shard, const ShardWriteOptions& options) {
+  const std::uint64_t bytes = array_bytes(shard);
+  const bool is_small = bytes <= small_shard_bytes, in_memory = is_small && bytes <= options.image_bytes;
+  const ShardWriteOptions making{is_small ? callers_thread() : options.pool, options.codec, options.image_bytes};
+  FileImage& image = image_of_thread();
+  StoredShard stored = make_file(in_memory ? Hdf5File::create(image, path) : Hdf5File::create(temporary, path),
+                                 shard.header, shard.above, making, [&](ShardColumns& columns) {
                                    columns.add_nodes(shard.nodes);
                                    columns.add_above(shard.above);
-                                   columns.add_levels(shard.nodes, shard.levels, options.pool);
+                                   columns.add_levels(shard.nodes, shard.levels, making.pool);
                                  });
-  stored.file = publish(publication);
+  if (in_memory) write_image(image, temporary, path);
+  stored.file = written_bytes(temporary);
   return stored;
+}
+
+StoredShard write_shard(const std::filesystem::path& path, const Shard& shard, const ShardWriteOptions& options) {
+  return published(path, [&](const std::filesystem::path& temporary) {
+    return write_temporary_shard(temporary, path, shard, options);
+  });
 }
 
 StoredSplice write_spliced_shard(const std::filesystem::path& path, const SplicedShard& shard, const BaseShard& base,
@@ -149,14 +187,15 @@ StoredSplice write_spliced_shard(const std::filesystem::path& path, const Splice
                              }),
                    0};
   for (const auto& level : levels) out.copied += level->copied_bytes();
-  out.stored.file = publish(publication);
+  out.stored.file = written_bytes(publication.temporary());
+  const InStage writing(BakeStage::writing);
+  publication.publish();
   return out;
 }
 
-StoredShard write_packed_shard(const std::filesystem::path& path, const PackedShard& shard,
-                               const ShardWriteOptions& options) {
-  thread_local FileImage image;  // one per writer thread
-  Publication publication(path);
+StoredShard write_temporary_shard(const std::filesystem::path& temporary, const std::filesystem::path& path,
+                                  const PackedShard& shard, const ShardWriteOptions& options) {
+  FileImage& image = image_of_thread();
   const Ahead ahead(shard);
   const bool in_memory = ahead.is_packed || ahead.bytes <= options.image_bytes;
   // A packed shard is made in one turn. A turn must not wait for threads, so this thread packs the few other columns.
@@ -166,17 +205,23 @@ StoredShard write_packed_shard(const std::filesystem::path& path, const PackedSh
     turn.emplace();
   }
   const ShardWriteOptions making{ahead.is_packed ? callers_thread() : options.pool, options.codec, options.image_bytes};
-  StoredShard stored =
-      make_file(in_memory ? Hdf5File::create(image, path) : Hdf5File::create(publication.temporary(), path),
-                shard.header, shard.above, making, [&](ShardColumns& columns) {
-                  columns.add_nodes(shard.nodes);
-                  columns.add_above(shard.above);
-                  for (const PackedLevel& level : shard.levels) columns.add_level(level);
-                });
+  StoredShard stored = make_file(in_memory ? Hdf5File::create(image, path) : Hdf5File::create(temporary, path),
+                                 shard.header, shard.above, making, [&](ShardColumns& columns) {
+                                   columns.add_nodes(shard.nodes);
+                                   columns.add_above(shard.above);
+                                   for (const PackedLevel& level : shard.levels) columns.add_level(level);
+                                 });
   turn.reset();
-  if (in_memory) write_image(image, publication.temporary(), path);
-  stored.file = publish(publication);
+  if (in_memory) write_image(image, temporary, path);
+  stored.file = written_bytes(temporary);
   return stored;
+}
+
+StoredShard write_packed_shard(const std::filesystem::path& path, const PackedShard& shard,
+                               const ShardWriteOptions& options) {
+  return published(path, [&](const std::filesystem::path& temporary) {
+    return write_temporary_shard(temporary, path, shard, options);
+  });
 }
 
 }  // namespace gigabake

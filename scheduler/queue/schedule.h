@@ -16,11 +16,12 @@
 
 namespace gigabake {
 
-/// Cells in flight per CPU worker that computes one cell at a time: one read, one computed, one written, and three
+/// Cells in flight per CPU worker that computes one cell at a time: one read, one computed, one written, four
+/// published, and three queued.
+inline constexpr int worker_slots = 10;
+/// Cells in flight per device worker: six read, one computed, three read back, four written, four published, and three
 /// queued.
-inline constexpr int worker_slots = 6;
-/// Cells in flight per device worker: six read, one computed, three read back, four written, and three queued.
-inline constexpr int device_worker_slots = 17;
+inline constexpr int device_worker_slots = 21;
 
 /// Returns the max number of cells in flight per worker, which computes on a device or on the CPU. A CPU worker
 /// computes and writes the given numbers of cells concurrently.

@@ -8,8 +8,8 @@
 #include "core/base/trace.h"
 #include "format/shard/levels/brick_walk.h"
 #include "format/shard/levels/content_hash.h"
-#include "format/shard/packed_shard.h"
 #include "format/shard/shard_reader.h"
+#include "format/shard/temporary_shard.h"
 #include "format/source/levels/named_voxel_sizes.h"
 #include "format/system/meters/stage_clock.h"
 #include "kernels/cpu/bake_cell.h"
@@ -332,24 +332,31 @@ void CellStages::take_stats(InFlightCell& cell) const {
 void CellStages::write(InFlightCell& cell) {
   const ShardHeader header = header_of(cell);
   const std::filesystem::path path = options_.out / shard_path(cell.job);
+  cell.publication = std::make_unique<Publication>(path);
+  const std::filesystem::path& temporary = cell.publication->temporary();
   const ShardWriteOptions how{write_pool_, parameters_.codec, file_image_bytes_for(options_)};
   if (cell.packed) {
     const PackedShard shard = shard_from_packed(*cell.packed, header);
-    report_shard(cell, shard, write_packed_shard(path, shard, how));
+    report_shard(cell, shard, write_temporary_shard(temporary, path, shard, how));
     keep_for_overviews(cell.job, shard);
     cell.packed.reset();
   } else {
     Shard shard = shard_from_volume(std::exchange(cell.volume, {}), header);
-    report_shard(cell, shard, write_shard(path, shard, how));
+    report_shard(cell, shard, write_temporary_shard(temporary, path, shard, how));
     keep_for_overviews(cell.job, std::move(shard));
   }
+}
+
+void CellStages::publish(InFlightCell& cell) {
+  cell.publication->publish();
+  cell.report.shard = stamp_of(options_.out / shard_path(cell.job)).value_or(FileStamp{});
+  cell.publication.reset();
   decide(cell, CellOutcome::baked);
 }
 
 template <class AnyShard>
 void CellStages::report_shard(InFlightCell& cell, const AnyShard& shard, const StoredShard& stored) const {
   const InStage packing(BakeStage::packing);
-  cell.report.shard = stamp_of(options_.out / shard_path(cell.job)).value_or(FileStamp{});
   cell.report.cell = scene_cell(cell.job, shard, stored);
   cell.report.levels = with_stored(summaries(shard, write_pool_), stored.levels);
 }

@@ -13,6 +13,7 @@
 #include "format/edit/edits_in_scene.h"
 #include "format/job/cell_job.h"
 #include "format/job/fingerprint.h"
+#include "format/system/publish.h"
 #include "kernels/body/cell.h"
 #include "kernels/cuda/baker.h"
 #include "kernels/pack/packer.h"
@@ -42,6 +43,7 @@ struct InFlightCell {
   std::unique_ptr<kernels::CudaVolume> device_volume;  ///< kept until it is packed or on the host
   std::optional<kernels::PackedCell> packed;           ///< if set, `volume` is empty
   kernels::CellVolume volume;
+  std::unique_ptr<Publication> publication;  ///< of the written shard, until it is published
 
   const kernels::CellStats& stats() const { return packed ? packed->stats : volume.stats; }
 };
@@ -76,8 +78,10 @@ class CellStages {
   /// Computes the volume from the voxels of a stored shard of the cell that are inside the area. Sets the outcome
   /// `empty` if no voxel is inside.
   void clip(InFlightCell& cell, const ShardReader& shard) const;
-  /// Writes the volume or the columns to a shard, and fills the report.
+  /// Writes the volume or the columns to a temporary shard, and fills the report.
   void write(InFlightCell& cell);
+  /// Publishes the shard and flushes it to disk. Several threads may call it for different cells.
+  void publish(InFlightCell& cell);
   OverviewInputs& overview_inputs() { return overview_inputs_; }
 
  private:

@@ -37,7 +37,7 @@ class Candidates {
 
   void begin_segment(std::uint32_t begin, std::uint32_t end) {
     begin_ = begin;
-    if (begin % rules::block_bytes == 0)
+    if (begin != 0 && begin % rules::block_bytes == 0)
       for (rules::Bucket& b : at_.table) b = rules::aged(b, begin);
     const std::uint32_t entered = std::max(begin, rules::entered_before(size_, end));
     rules::Bucket* found = at_.found.data();
@@ -112,29 +112,58 @@ void parse_block(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t e
   at.token_count = std::size_t(to - at.tokens.data());
 }
 
-/// The first bits of every token, a literal or a match length. Bits 0 to 23 are the code and the extra bits after it.
-/// Bits 24 and up are the number of these bits.
-/// The index is the literal byte or 256 + length, so that writing needs no branch that could be mispredicted.
-using FirstBits = std::array<std::uint32_t, 256 + rules::max_match + 1>;
+/// The first bits of a token, a literal or a match length. Bits 0 to 23 are the code and the extra bits after it. Bits
+/// 24 and up are the number of these bits.
+using FirstBits = std::uint32_t;
 
-void fill_first_bits(const rules::Code* codes, FirstBits& first) {
-  for (std::uint32_t byte = 0; byte < 256; ++byte)
-    first[byte] = rules::code_bits(codes[byte]) | rules::code_length(codes[byte]) << 24;
-  for (std::uint32_t length = rules::min_match; length <= rules::max_match; ++length) {
-    const rules::Bits bits = rules::bits_of_length(length, codes);
-    first[256 + length] = std::uint32_t(bits.bits) | bits.count << 24;
-  }
+FirstBits bits_of_literal(std::uint32_t byte, const rules::Code* codes) {
+  return rules::code_bits(codes[byte]) | rules::code_length(codes[byte]) << 24;
 }
 
-void write_tokens(const Workplace& at, const FirstBits& first_bits, TokenWriter& writer) {
+FirstBits bits_of_match(std::uint32_t length, const rules::Code* codes) {
+  const rules::Bits bits = rules::bits_of_length(length, codes);
+  return std::uint32_t(bits.bits) | bits.count << 24;
+}
+
+/// The first bits of every token. The index is the literal byte or 256 + length, so that writing needs no branch that
+/// could be mispredicted.
+class FirstBitsTable {
+ public:
+  explicit FirstBitsTable(const rules::Code* codes) {
+    for (std::uint32_t byte = 0; byte < 256; ++byte) bits_[byte] = bits_of_literal(byte, codes);
+    for (std::uint32_t length = rules::min_match; length <= rules::max_match; ++length)
+      bits_[256 + length] = bits_of_match(length, codes);
+  }
+  FirstBits operator()(rules::Token token) const {
+    return bits_[rules::is_symbol(token) ? token : 256 + (token >> 16)];
+  }
+
+ private:
+  std::array<FirstBits, 256 + rules::max_match + 1> bits_;
+};
+
+/// The number of tokens from which a table takes less time than it saves.
+constexpr std::size_t min_tokens_of_table = 256;
+
+template <class BitsOf>
+void write_tokens(const Workplace& at, const BitsOf& bits_of, TokenWriter& writer) {
   for (const rules::Token token : std::span(at.tokens).first(at.token_count)) {
     const bool literal = rules::is_symbol(token);
-    const std::uint32_t first = first_bits[literal ? token : 256 + (token >> 16)];
+    const FirstBits first = bits_of(token);
     const rules::Bits second = rules::bits_of_distance(literal ? 1 : token & 0xffff, at.codes.codes);
     const std::uint32_t count = first >> 24;
     const std::uint64_t bits = (first & 0xffffff) | (literal ? 0 : second.bits << count);
     writer.put({bits, count + (literal ? 0 : second.count)});
   }
+}
+
+void write_tokens(const Workplace& at, TokenWriter& writer) {
+  const rules::Code* codes = at.codes.codes;
+  if (at.token_count >= min_tokens_of_table) return write_tokens(at, FirstBitsTable(codes), writer);
+  const auto bits_of = [codes](rules::Token token) {
+    return rules::is_symbol(token) ? bits_of_literal(token, codes) : bits_of_match(token >> 16, codes);
+  };
+  write_tokens(at, bits_of, writer);
 }
 
 void write_block(Workplace& at, bool last, TokenWriter& writer) {
@@ -144,9 +173,7 @@ void write_block(Workplace& at, bool last, TokenWriter& writer) {
   rules::make_block_codes(at.work, last, at.codes);
   for (std::uint32_t i = 0; 32 * i < at.codes.header_bits; ++i)
     writer.put({at.codes.header[i], std::min(32u, at.codes.header_bits - 32 * i)});
-  FirstBits first_bits;
-  fill_first_bits(at.codes.codes, first_bits);
-  write_tokens(at, first_bits, writer);
+  write_tokens(at, writer);
   writer.put(rules::bits_of(rules::end_of_block, at.codes.codes));
 }
 

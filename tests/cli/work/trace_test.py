@@ -15,7 +15,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harness
 
-STAGES = ["read", "compute", "write"]
+STAGES = ["read", "compute", "write", "publish"]
 
 
 class Trace(harness.FolderTest):
