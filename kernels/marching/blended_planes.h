@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <cstring>
 
 #include "core/base/host_device.h"
 #include "core/octree/plane.h"
@@ -121,7 +120,17 @@ GB_HD BlendedPlanes blend_planes_by_voxel(const CastCorners& corners, ByteVector
   return {r, bits, is_flat, is_mixed};
 }
 
+GB_HD Vec3<float> components(ByteVector v) {
+  return Vec3<float>::by_axis([&](int a) { return float(std::int8_t(v >> 8 * a & 255)); });
+}
+
 #if defined(GB_HAS_TAP_VECTORS)
+/// Returns are_opposite() per lane. `squared` has the squared lengths of the normals.
+inline TapInts opposite_lanes(const TapNormals& n, const TapFloats& squared, const Vec3<float>& to) {
+  const TapFloats along = n.dot(to);
+  return (along < 0) & (2 * (along * along) >= squared * dot(to, to));
+}
+
 /// Replaces blend_planes_by_voxel() on hosts with vectors, with the same bits.
 inline BlendedPlanes blend_planes_by_lane(const CastCorners& corners, ByteVector side) {
   const std::uint32_t there = corners.there();
@@ -129,30 +138,24 @@ inline BlendedPlanes blend_planes_by_lane(const CastCorners& corners, ByteVector
   const TapVectors taps(corners, there);
   const TapNormals n(taps);
   const TapInts plane = taps.plane();
-  const auto squared = n.dot(n.x, n.y, n.z);
+  const TapFloats squared = n.squared_length();
 
   // The first normal, and the first normal of a plane. Lanes before the latter have no side.
   const std::uint32_t has_normal = lanes_in(squared > 0), has_plane = lanes_in((plane != 0) & taps.is_there);
-  float components[3][8];
-  std::memcpy(components[0], &n.x, sizeof n.x);
-  std::memcpy(components[1], &n.y, sizeof n.y);
-  std::memcpy(components[2], &n.z, sizeof n.z);
   Vec3<float> first{0, 0, 0}, to_side{0, 0, 0};
   std::uint32_t has_side = 255;
   if (side != 0) {
-    for (int a = 0; a < 3; ++a) to_side[a] = float(std::int8_t(side >> 8 * a & 255));
+    to_side = components(side);
   } else if ((has_normal & has_plane) != 0) {
     const int c = lowest_one(has_normal & has_plane);
     has_side = 255u << c & 255;
-    for (int a = 0; a < 3; ++a) to_side[a] = components[a][c];
+    to_side = n.of_lane(c);
   }
-  if (has_normal != 0)
-    for (int a = 0; a < 3; ++a) first[a] = components[a][lowest_one(has_normal)];
+  if (has_normal != 0) first = n.of_lane(lowest_one(has_normal));
 
-  const TapFloats along_first = n.dot(TapFloats{} + first[0], TapFloats{} + first[1], TapFloats{} + first[2]);
-  const TapFloats along_side = n.dot(TapFloats{} + to_side[0], TapFloats{} + to_side[1], TapFloats{} + to_side[2]);
+  const TapFloats along_first = n.dot(first);
   const TapInts is_same = along_first * along_first >= 0.95f * (squared * dot(first, first));
-  const TapInts is_opposite = (along_side < 0) & (2 * (along_side * along_side) >= squared * dot(to_side, to_side));
+  const TapInts is_opposite = opposite_lanes(n, squared, to_side);
   const std::uint32_t flat = lanes_in(is_same & ((plane & 3) == max_coherence)),
                       turned = lanes_in(is_opposite) & has_side;
 
@@ -161,8 +164,7 @@ inline BlendedPlanes blend_planes_by_lane(const CastCorners& corners, ByteVector
   const TapFloats along =
       n.dot(place[0] - TapFloats{0, 127, 0, 127, 0, 127, 0, 127}, place[1] - TapFloats{0, 0, 127, 127, 0, 0, 127, 127},
             place[2] - TapFloats{0, 0, 0, 0, 127, 127, 127, 127});
-  const TapFloats offset = __builtin_convertvector((plane >> 2 & 15) - 8, TapFloats);
-  const TapFloats above = 2 * max_offset * along - 127 * 127 * offset;
+  const TapFloats above = 2 * max_offset * along - 127 * 127 * taps.plane_offset();
   const TapFloats by = taps.weight * taps.blend_weight(), turned_by = is_opposite ? -by : by;
   const TapFloats rows[8] = {turned_by * n.x, turned_by * n.y, turned_by * n.z, turned_by * above, by, {}, {}, {}};
   float sums[8] = {};

@@ -55,13 +55,11 @@ struct OppositeLanes {
   TapInts is_opposite{};       ///< are_opposite()
   TapFloats squared;           ///< squared lengths of the normals
 
-  explicit OppositeLanes(const TapNormals& n) : squared(n.dot(n.x, n.y, n.z)) {
+  explicit OppositeLanes(const TapNormals& n) : squared(n.squared_length()) {
     const std::uint32_t has_normal = lanes_in(squared > 0);
     if (has_normal == 0) return;
-    const int c = lowest_one(has_normal);
-    first = {n.x[c], n.y[c], n.z[c]};
-    const TapFloats along = n.dot(TapFloats{} + first[0], TapFloats{} + first[1], TapFloats{} + first[2]);
-    is_opposite = (along < 0) & (2 * (along * along) >= squared * dot(first, first));
+    first = n.of_lane(lowest_one(has_normal));
+    is_opposite = opposite_lanes(n, squared, first);
   }
 };
 
@@ -70,11 +68,10 @@ inline SurfaceSide surface_side_by_lane(const CastCorners& corners, const TapVec
                                         const OppositeLanes& lanes) {
   const TapFloats by = taps.weight * ((taps.coverage(0) + taps.coverage(1) + taps.coverage(2)) * 257);
   const TapFloats turned = lanes.is_opposite ? -by : by;
-  const TapInts plane = taps.plane(), offset = (plane & 3) != 0 ? (plane >> 2 & 15) - 8 : 0;
   const TapFloats along = n.dot(corners.between[0] - TapFloats{0, 1, 0, 1, 0, 1, 0, 1},
                                 corners.between[1] - TapFloats{0, 0, 1, 1, 0, 0, 1, 1},
                                 corners.between[2] - TapFloats{0, 0, 0, 0, 1, 1, 1, 1});
-  const TapFloats distance = along * (1.0f / 127) - __builtin_convertvector(offset, TapFloats) * (0.5f / max_offset);
+  const TapFloats distance = along * (1.0f / 127) - taps.plane_offset() * (0.5f / max_offset);
   const TapFloats rows[8] = {n.x * turned, n.y * turned, n.z * turned, turned * distance, {}, {}, {}, {}};
   float sums[8] = {};
   sum_lanes(rows, sums);
@@ -189,10 +186,6 @@ GB_HD_NOINLINE Vec3<float> relative_light(CastCorners corners, CastLight light, 
   SideLight sums;
   add_light(corners, light, {float(-x), float(-y), float(-z)}, false, sums);
   return sums.ratio();
-}
-
-GB_HD Vec3<float> components(ByteVector v) {
-  return Vec3<float>::by_axis([&](int a) { return float(std::int8_t(v >> 8 * a & 255)); });
 }
 
 /// Returns a vector to the side of the surface from which the ray comes to its current sample. Beyond the horizon of a

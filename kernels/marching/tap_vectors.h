@@ -88,6 +88,10 @@ struct TapVectors {
     return __builtin_convertvector((k == 1 ? word[0] >> 16 : word[k / 2]) & 65535, TapFloats);
   }
   TapInts plane() const { return word[2] >> 24 & 127; }
+  /// Returns the offsets of the planes; 0 without a plane.
+  TapFloats plane_offset() const {
+    return __builtin_convertvector((plane() & 3) != 0 ? (plane() >> 2 & 15) - 8 : 0, TapFloats);
+  }
   /// Returns blend_weight() of the voxels.
   TapFloats blend_weight() const {
     const TapFloats covered = (coverage(0) + coverage(1) + coverage(2)) * 257;
@@ -146,6 +150,9 @@ struct TapNormals {
 
   /// Returns the dot products of integer vectors; exact in a float.
   TapFloats dot(const TapFloats& a, const TapFloats& b, const TapFloats& c) const { return (x * a + y * b) + z * c; }
+  TapFloats dot(const Vec3<float>& v) const { return dot(TapFloats{} + v[0], TapFloats{} + v[1], TapFloats{} + v[2]); }
+  TapFloats squared_length() const { return dot(x, y, z); }
+  Vec3<float> of_lane(int c) const { return {x[c], y[c], z[c]}; }
 
   /// Returns length_along() per lane.
   TapFloats length_along(const Vec3d& direction) const {
@@ -164,7 +171,8 @@ struct TapNormals {
                                       direction[2] * widened(z, is_upper),
                                   Floats);
     }
-    const TapFloats squared = dot(x, y, z), both = __builtin_shufflevector(along[0], along[1], 0, 1, 2, 3, 4, 5, 6, 7);
+    const TapFloats squared = squared_length();
+    const TapFloats both = __builtin_shufflevector(along[0], along[1], 0, 1, 2, 3, 4, 5, 6, 7);
     const TapFloats across = (both < 0 ? -both : both) / square_root(squared);
     return squared > 0 ? across : TapFloats{} + 1;
   }
