@@ -92,7 +92,7 @@ class CellPipelineTest : public testing::Test {
   SceneSources sources;
 };
 
-TEST_F(CellPipelineTest, ReportsEveryCellInTheOrderOfSubmission) {
+TEST_F(CellPipelineTest, ReportsEveryCellOnce) {
   const auto cells = jobs();
   ASSERT_GT(cells.size(), 4u);
   const auto reports = run(cells, "out");

@@ -169,6 +169,7 @@ std::vector<CellReport> bake_all(CellPipeline& pipeline, const std::vector<CellJ
     else
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+  std::ranges::sort(reports, {}, &CellReport::id);
   return reports;
 }
 

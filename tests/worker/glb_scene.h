@@ -44,7 +44,7 @@ std::vector<std::uint8_t> checkered_png(int n);
 
 void write_glb(const std::filesystem::path& path, const GlbMesh& mesh);
 
-/// Bakes all jobs. Returns the reports in the order in which they are made.
+/// Bakes all jobs. Returns the reports by rising job, because several threads publish shards in any order.
 std::vector<CellReport> bake_all(CellPipeline& pipeline, const std::vector<CellJob>& jobs);
 
 /// Returns the files as tiles of a local scene.

@@ -39,8 +39,8 @@ struct WorkerOptions {
   bool stored_only = false;
 };
 
-/// A pipeline that bakes submitted jobs in order. The order of the reports may differ if several cells are computed or
-/// written concurrently (worker/pipeline/writer_pool_size.h).
+/// A pipeline that bakes submitted jobs in order. The order of the reports may differ, because several shards are
+/// published at the same time.
 /// Exact   A shard depends only on its job, the sources and the parameters, not on threads, memory or other jobs.
 /// Errors  Errors of a cell are not thrown: the cell's report holds the error as one line. The outcome is `refused` if
 ///         another attempt would fail the same way, else `failed`.
