@@ -110,9 +110,9 @@ void write_image(const FileImage& image, const std::filesystem::path& temporary,
 
 /// Writes the temporary file of a publication with `write`, and publishes it.
 template <class Write>
-StoredShard published(const std::filesystem::path& path, const Write& write) {
+auto published(const std::filesystem::path& path, const Write& write) {
   Publication publication(path);
-  StoredShard stored = write(publication.temporary());
+  auto stored = write(publication.temporary());
   const InStage writing(BakeStage::writing);
   publication.publish();
   return stored;
@@ -178,19 +178,18 @@ StoredSplice write_spliced_shard(const std::filesystem::path& path, const Splice
   options.pool.parallel_for(columns_of_all.size(), 1, [&](std::size_t c, std::size_t, int) {
     levels[columns_of_all[c].first]->read_chunks(columns_of_all[c].second);
   });
-  Publication publication(path);
-  StoredSplice out{make_file(Hdf5File::create(publication.temporary(), path), shard.header, shard.above, options,
-                             [&](ShardColumns& columns) {
-                               columns.add_nodes(shard.nodes);
-                               columns.add_above(shard.above);
-                               for (const auto& level : levels) columns.add_level(*level);
-                             }),
-                   0};
-  for (const auto& level : levels) out.copied += level->copied_bytes();
-  out.stored.file = written_bytes(publication.temporary());
-  const InStage writing(BakeStage::writing);
-  publication.publish();
-  return out;
+  return published(path, [&](const std::filesystem::path& temporary) {
+    StoredSplice out{make_file(Hdf5File::create(temporary, path), shard.header, shard.above, options,
+                               [&](ShardColumns& columns) {
+                                 columns.add_nodes(shard.nodes);
+                                 columns.add_above(shard.above);
+                                 for (const auto& level : levels) columns.add_level(*level);
+                               }),
+                     0};
+    for (const auto& level : levels) out.copied += level->copied_bytes();
+    out.stored.file = written_bytes(temporary);
+    return out;
+  });
 }
 
 StoredShard write_temporary_shard(const std::filesystem::path& temporary, const std::filesystem::path& path,

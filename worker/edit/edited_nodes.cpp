@@ -129,12 +129,9 @@ NodeTable EditedNodes::table(const ShardHeader& header) const {
     const std::size_t begin = nodes.key.size();
     const bool has_coverage = header.has_directional_coverage && (lod > 0 || header.has_normals);
     std::uint32_t brick = 0;
-    for (const EditedNode& node : levels[lod]) {
-      kernels::append_node(node.key, lod, node.node.kind, node.node.value, has_coverage, brick, nodes);
-      if (!header.has_classes) continue;
-      const bool is_brick = node.node.kind == NodeKind::brick;
-      nodes.voxel_class.push_back(is_brick ? no_class : node.node.value.voxel_class);
-    }
+    for (const EditedNode& node : levels[lod])
+      kernels::append_node(node.key, lod, node.node.kind, node.node.value, has_coverage, header.has_classes, brick,
+                           nodes);
     kernels::check_node_count(nodes.key.size());
     if (begin != 0) kernels::link_children(nodes, above, begin);
     above = begin;

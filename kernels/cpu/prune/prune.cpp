@@ -80,8 +80,8 @@ void add_level_nodes(const Level& level, const BrickClasses& classes, std::size_
   for (std::size_t b = 0; b < classes.size(); ++b) {
     const BrickClass& v = classes[b];
     if (!v.stored) continue;
-    append_node(level.key[b], lod, v.kind, v.value, !level.directional_coverage.empty(), brick, nodes);
-    if (!level.voxel_class.empty()) nodes.voxel_class.push_back(stores_voxels(v.kind) ? no_class : v.value.voxel_class);
+    append_node(level.key[b], lod, v.kind, v.value, !level.directional_coverage.empty(), !level.voxel_class.empty(),
+                brick, nodes);
     const bool may_have_leaves = lod != 0 && !ends_branch(v.kind);
     nodes.leaf_mask.push_back(std::uint8_t(may_have_leaves ? occupied_octants(&level.mask[8 * b]) : 0u));
   }
@@ -148,7 +148,7 @@ std::optional<CommonVoxel> common_value(const Level& level, std::size_t b) {
 }
 
 void append_node(std::uint64_t key, std::size_t lod, NodeKind kind, const CommonVoxel& voxel, bool has_coverage,
-                 std::uint32_t& brick, NodeTable& nodes) {
+                 bool has_classes, std::uint32_t& brick, NodeTable& nodes) {
   const CommonVoxel value = value_of_node(kind, voxel, has_coverage);
   nodes.key.push_back(key);
   nodes.lod.push_back(std::uint8_t(lod));
@@ -160,6 +160,7 @@ void append_node(std::uint64_t key, std::size_t lod, NodeKind kind, const Common
   nodes.directional_coverage.push_back({byte_of(value.directional_coverage, 0), byte_of(value.directional_coverage, 1),
                                         byte_of(value.directional_coverage, 2),
                                         byte_of(value.directional_coverage, 3)});
+  if (has_classes) nodes.voxel_class.push_back(value.voxel_class);
 }
 
 void link_children(NodeTable& nodes, std::size_t begin, std::size_t end) {

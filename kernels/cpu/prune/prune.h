@@ -26,10 +26,11 @@ NodeTable brick_nodes(const std::vector<Level>& levels);
 /// Returns the value of all voxels of a brick if it is constant, else nullopt.
 std::optional<CommonVoxel> common_value(const Level& level, std::size_t brick);
 
-/// Appends a node without children. `has_coverage` states whether its level has directional coverage. A brick gets the
-/// number `brick`, which is then incremented. Append all nodes of a level, by rising key, from the coarsest level.
+/// Appends a node without children. `has_coverage` states whether its level has directional coverage, `has_classes`
+/// whether the cell has classes. A brick gets the number `brick`, which is then incremented. Append all nodes of a
+/// level, by rising key, from the coarsest level.
 void append_node(std::uint64_t key, std::size_t lod, NodeKind kind, const CommonVoxel& voxel, bool has_coverage,
-                 std::uint32_t& brick, NodeTable& nodes);
+                 bool has_classes, std::uint32_t& brick, NodeTable& nodes);
 
 /// Links parents to children: nodes [begin, end) are the parents of nodes [end, nodes.key.size()).
 void link_children(NodeTable& nodes, std::size_t begin, std::size_t end);
