@@ -9,6 +9,10 @@
 
 namespace gigabake {
 
+/// The value of HWLOC_COMPONENTS for Open MPI, whose hwloc otherwise probes GPUs. It searches X displays, and ends the
+/// process when such a display closes. It also starts OpenCL, and thereby the driver of each GPU.
+inline constexpr const char* hwloc_without_gpus = "-gl,-opencl";
+
 /// Returns the number of tasks of this Slurm step, this process included. Returns 1 under mpirun, without Slurm, and in
 /// a batch script, which is no task. Call it before MPI_Init, which sets some of the environment variables itself.
 int slurm_task_count(const Environment& environment);

@@ -39,7 +39,7 @@ void set_mpi_environment() {
   set("OMPI_MCA_rmaps_base_oversubscribe", "1");
   set("OMPI_MCA_hwloc_base_binding_policy", "none");
   set("OMPI_MCA_btl_vader_single_copy_mechanism", "none");
-  set("HWLOC_COMPONENTS", "-gl");  // otherwise Open MPI searches X screens for GPUs, and ends when the X server does
+  set("HWLOC_COMPONENTS", hwloc_without_gpus);
 }
 
 sigset_t awaited_signals() {

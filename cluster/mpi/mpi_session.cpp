@@ -182,8 +182,7 @@ struct MpiSession::Inbox {
 MpiSession::MpiSession() : outbox_(std::make_unique<Outbox>()), inbox_(std::make_unique<Inbox>()) {
   end_if_mpirun_dies();  // before MPI_Init, in which a rank may hang
   const MpiCallTimeout bound(max_mpi_call_s(), "the start of MPI");
-  // Open MPI's hwloc probes GPUs through any X display it finds, and ends the process when that display closes.
-  ::setenv("HWLOC_COMPONENTS", "-gl", 0);
+  ::setenv("HWLOC_COMPONENTS", hwloc_without_gpus, 0);
   if (!is_launched(environment_of_process)) expect_no_other_ranks();
   int provided = MPI_THREAD_SINGLE;
   check(MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");

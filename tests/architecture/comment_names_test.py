@@ -26,7 +26,7 @@ NOT_NAMES = re.compile(r"(?:[\w/]*[_/])?(?:NAME|[A-Z]|\d+)(?:[_.]\w*)?|\w+_|_[\w
 # Names of other programs, libraries, formats, data sets and formulas, and files that CMake generates.
 EXTERNAL = set("""
     B3dmParser FLIP.h FindOpenVDB GeoTIFFs GradientX GradientY GradientZ HDF5_LZ4 HyAB IsMember KhronosGroup MPI_Init
-    MeshLab NanoVDB0 ReadWriteMany SOURCE_DIR SO_REUSEPORT TextureTransformTest WebGL X_UP_TO_Z_UP gdal_rasterize
+    MeshLab NanoVDB0 OpenCL ReadWriteMany SOURCE_DIR SO_REUSEPORT TextureTransformTest WebGL X_UP_TO_Z_UP gdal_rasterize
     gigabakeConfig.cmake google_like n_a sm_90 xxhash_spec""".split())
 # Names of the past, data of fuzzers, and files whose comments are samples of a test.
 EXEMPT = re.compile(r"docs/(?:adr|experiments)/|CHANGELOG\.md|tests/fuzz/corpus/|LICENSE|packaging/copyright|"

@@ -146,6 +146,20 @@ class Edit(harness.FolderTest):
         for bricks, written, copied, read in work[0]:
             self.assertTrue(0 < bricks <= 4 * 2 * 8 and copied <= written and read == 0, work[0])
 
+    def test_an_undo_loads_no_driver_of_a_gpu(self):
+        fill = shape_option({"type": "fill", "sphere": {"position_m": [0, 0, 0], "radius_m": 1}, "rgb": [1, 2, 3]})
+        PROGRAM.succeed("edit", self.scene, *fill, "-q")
+        # An OpenCL loader tries the driver that each file of this folder names.
+        (self.root / "drivers").mkdir()
+        (self.root / "drivers/gpu.icd").write_text("libdriver_of_this_test.so\n", encoding="utf-8")
+        environment = {key: value for key, value in os.environ.items() if key != "HWLOC_COMPONENTS"}
+        environment |= {"OCL_ICD_VENDORS": str(self.root / "drivers"), "LD_DEBUG": "libs"}
+        loaded = subprocess.run([PROGRAM.executable, "edit", self.scene, "--undo", "-q"], capture_output=True,
+                                text=True, timeout=300, env=environment, check=True).stderr
+        self.assertIn("libmpi", loaded)
+        self.assertNotIn("libdriver_of_this_test", loaded)
+        self.assertNotIn("libcuda.so", loaded)
+
     def test_rows_that_move_are_unpacked_once(self):
         out = self.root / "fine"
         PROGRAM.succeed("bake", scene_file(self.root / "fine.json", []), "-o", out, "--voxel-size", 1 / 32,

@@ -19,7 +19,7 @@ MPI_ENVIRONMENT = {
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
     # Open MPI probes any X screen for GPUs, and fails if the screen closes: for example the screen of another test.
-    "HWLOC_COMPONENTS": "-gl",
+    "HWLOC_COMPONENTS": "-gl,-opencl",
 }
 
 
