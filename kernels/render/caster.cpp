@@ -69,7 +69,8 @@ class CpuCaster final : public Caster {
     lights_.clear();
     is_blending_ = false;
     rays_.resize(std::size_t(tile.width) * std::size_t(tile.height));
-    for_each_ray(0, rays_.size(), {}, [&](std::size_t i) { rays_[i] = start_ray(scene_, line_of(i)); });
+    begin_phase();
+    for_each_ray([&](std::size_t i) { rays_[i] = start_ray(scene_, line_of(i)); });
   }
 
   std::size_t cast(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) override {
@@ -83,8 +84,8 @@ class CpuCaster final : public Caster {
   void start_blend() override {
     coarser_.resize(rays_.size());
     is_blending_ = true;
-    for_each_ray(0, rays_.size(), {},
-                 [&](std::size_t i) { coarser_[i] = start_coarser(scene_, line_of(i), coarser_line(i), rays_[i]); });
+    begin_phase();
+    for_each_ray([&](std::size_t i) { coarser_[i] = start_coarser(scene_, line_of(i), coarser_line(i), rays_[i]); });
   }
 
   std::size_t cast_blend(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) override {
@@ -101,6 +102,7 @@ class CpuCaster final : public Caster {
     lighting_ = lighting;
     shader_ = shader ? std::move(shader) : lit_shader({lighting.light, lighting.part});
     lights_.assign(rays_.size(), PixelLight());
+    begin_phase();
   }
 
   std::size_t cast_light(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) override {
@@ -113,7 +115,8 @@ class CpuCaster final : public Caster {
   }
 
   void reuse_shadow_samples() override {
-    for_each_ray(0, rays_.size(), {}, [&](std::size_t i) {
+    begin_phase();
+    for_each_ray([&](std::size_t i) {
       const int x = int(i % std::size_t(tile_.width)), y = int(i / std::size_t(tile_.width));
       kernels::reuse_shadow_samples({lights_.data(), tile_}, lighting_, x, y, lights_[i]);
     });
@@ -135,7 +138,7 @@ class CpuCaster final : public Caster {
     const Tables tables = TableStore::host().view();
     blend();
     shade();
-    for_each_ray(0, rays_.size(), {}, [&](std::size_t i) {
+    for_each_ray([&](std::size_t i) {
       const CastRay& lit = lights_.empty() ? rays_[i] : lit_[i];
       const CastRay shown = before_polygons(lit, camera_, pixel_x(i), pixel_y(i));
       write_pixel(shown, line_of(i), camera_.tone, tile_, background, tables, i, out);
@@ -161,8 +164,7 @@ class CpuCaster final : public Caster {
   void blend() {
     if (!is_blending_) return;
     is_blending_ = false;
-    for_each_ray(0, rays_.size(), {},
-                 [&](std::size_t i) { rays_[i] = blended(scene_, line_of(i), rays_[i], coarser_[i]); });
+    for_each_ray([&](std::size_t i) { rays_[i] = blended(scene_, line_of(i), rays_[i], coarser_[i]); });
   }
 
   /// Returns the number of words of `wanted_` that rays can change: the words of all nodes that were ever written, and
@@ -175,37 +177,72 @@ class CpuCaster final : public Caster {
     shader_->on_host({rays_.data(), lights_.data(), tile_, lighting_, camera_.eye}, lit_.data(), pool_);
   }
 
-  /// Runs one pass. resume(i) continues ray i and returns true if the ray is finished. Returns the number of unfinished
-  /// rays.
+  /// A square of block_edge × block_edge rays. Blocks at the upper borders of the tile may be smaller.
+  struct Block {
+    std::size_t number = 0;
+    int x = 0, y = 0, x_end = 0, y_end = 0;  ///< pixels of the tile
+
+    std::size_t rays() const { return std::size_t(x_end - x) * std::size_t(y_end - y); }
+  };
+
+  std::size_t blocks_across() const { return std::size_t(tile_.width + block_edge - 1) / block_edge; }
+  std::size_t block_rows() const { return std::size_t(tile_.height + block_edge - 1) / block_edge; }
+  Block block_at(std::size_t number) const {
+    const int x = int(number % blocks_across()) * block_edge, y = int(number / blocks_across()) * block_edge;
+    return {number, x, y, std::min(x + block_edge, tile_.width), std::min(y + block_edge, tile_.height)};
+  }
+
+  /// Begins a phase, in which no ray is finished yet.
+  void begin_phase() { is_finished_.assign(blocks_across() * block_rows(), 0); }
+
+  /// Runs one pass. resume(i) continues ray i and returns true if the ray is finished in this phase. Returns the number
+  /// of unfinished rays. Finished blocks are skipped, because reading their rays would take longer than most passes.
   template <class GoOn>
   std::size_t one_pass(std::size_t begin, std::size_t end, const StopAsked& stop, const GoOn& resume) {
     ++scene_.pass;
     std::fill_n(wanted_.begin(), request_words(), 0);
     std::atomic<std::size_t> unfinished{0};
-    const bool whole = for_each_ray(begin, end, stop, [&](std::size_t i) {
-      if (!resume(i)) unfinished.fetch_add(1, std::memory_order_relaxed);
+    const bool whole = for_each_block(begin, end, stop, [&](const Block& block) {
+      if (is_finished_[block.number] != 0) return;
+      // Threads would wait for each other if they counted each ray in a common variable.
+      std::size_t finished = 0, rays = 0;
+      for_each_ray_of(block, begin, end, [&](std::size_t i) {
+        finished += resume(i) ? 1 : 0;
+        ++rays;
+      });
+      if (finished == block.rays()) is_finished_[block.number] = 1;
+      if (finished != rays) unfinished.fetch_add(rays - finished, std::memory_order_relaxed);
     });
     return whole ? unfinished.load() : std::max<std::size_t>(unfinished, 1);
   }
 
-  /// Calls body(i) for each ray i in [begin, end). Returns false if `stop` ended the pass before the last block of
-  /// rays.
+  /// Calls body(i) for each ray i of the tile.
   template <class Body>
-  bool for_each_ray(std::size_t begin, std::size_t end, const StopAsked& stop, const Body& body) {
+  void for_each_ray(const Body& body) {
+    for_each_block(0, rays_.size(), {}, [&](const Block& block) { for_each_ray_of(block, 0, rays_.size(), body); });
+  }
+
+  /// Calls body(i) for each ray i of the block in [begin, end).
+  template <class Body>
+  void for_each_ray_of(const Block& block, std::size_t begin, std::size_t end, const Body& body) const {
+    for (int y = block.y; y < block.y_end; ++y)
+      for (int x = block.x; x < block.x_end; ++x) {
+        const std::size_t i = std::size_t(y) * std::size_t(tile_.width) + std::size_t(x);
+        if (i >= begin && i < end) body(i);
+      }
+  }
+
+  /// Calls body(block) for the blocks in the rows of rays [begin, end). Returns false if `stop` ended the calls before
+  /// the last block.
+  template <class Body>
+  bool for_each_block(std::size_t begin, std::size_t end, const StopAsked& stop, const Body& body) {
     std::atomic<bool> stopped{false};
-    const auto across = std::size_t(tile_.width + block_edge - 1) / block_edge;
     const std::size_t rays_per_row = std::size_t(tile_.width) * block_edge;  // a row of blocks
     const std::size_t top = begin / rays_per_row, bottom = (end + rays_per_row - 1) / rays_per_row;
-    pool_.parallel_for(across * (bottom - top), blocks_per_range, [&](std::size_t first, std::size_t last, int) {
+    const std::size_t first_block = blocks_across() * top;
+    pool_.parallel_for(blocks_across() * (bottom - top), blocks_per_range, [&](std::size_t from, std::size_t to, int) {
       if (stop && !stopped && stop()) stopped = true;
-      for (std::size_t b = across * top + first; b < across * top + last && !stopped; ++b) {
-        const int x0 = int(b % across) * block_edge, y0 = int(b / across) * block_edge;
-        for (int y = y0; y < std::min(y0 + block_edge, tile_.height); ++y)
-          for (int x = x0; x < std::min(x0 + block_edge, tile_.width); ++x) {
-            const std::size_t i = std::size_t(y) * std::size_t(tile_.width) + std::size_t(x);
-            if (i >= begin && i < end) body(i);
-          }
-      }
+      for (std::size_t b = first_block + from; b < first_block + to && !stopped; ++b) body(block_at(b));
     });
     return !stopped;
   }
@@ -222,6 +259,7 @@ class CpuCaster final : public Caster {
   CastCamera camera_;
   CastTile tile_;
   std::vector<CastRay> rays_, coarser_, lit_;
+  std::vector<std::uint8_t> is_finished_;  ///< by block: all its rays are finished in the current phase
   bool is_blending_ = false;
   CastLighting lighting_;
   std::shared_ptr<const SurfaceShader> shader_;
