@@ -7,7 +7,7 @@
 /// width of a shadow's border.
 ///
 /// In directions in which the sky is hidden, other surfaces are assumed to send the light of the ground. An unshadowed
-/// surface of any slope therefore receives the same light as in shade_voxel().
+/// surface of any slope therefore receives the same light as in shaded_radiance().
 ///
 /// Space   Coordinates and distances are lod-0 voxels of the scene's lattice.
 /// Exact   IEEE float and double, no transcendental functions: host and device return the same bits.
@@ -59,9 +59,9 @@ GB_HD void add_voxel(float by, const Vec3<float>& n, float signed_distance, floa
   sums.up_behind += by * (0.5f - 0.5f * n[2]);
 }
 
-/// Adds the eight voxels around a point. A voxel without a normal sees the whole sky and no sun, as in shade_voxel().
-/// `is_before` is true at the sample before the hit. Each voxel is added to both sums, with weight 0 to one of them,
-/// because a device cannot keep sums with a computed address in registers.
+/// Adds the eight voxels around a point. A voxel without a normal sees the whole sky and no sun, as in
+/// shaded_radiance(). `is_before` is true at the sample before the hit. Each voxel is added to both sums, with weight 0
+/// to one of them, because a device cannot keep sums with a computed address in registers.
 GB_HD void add_surface(const CastCorners& corners, const Vec3<float>& direction, const Vec3<float>& to_sun,
                        bool is_before, HitSums& hit) {
   GB_NO_UNROLL

@@ -15,13 +15,11 @@ namespace gigabake::kernels {
 /// Range   v ≥ 0.
 GB_HD std::uint16_t to_unorm16(float v) { return std::uint16_t(v >= 65535 ? 65535 : v + 0.5f); }
 
-/// Shades a voxel. `normal` is octahedral, or null if the scene has no normals; without a normal the voxel receives
-/// light from the sky only. `coverage` holds the coverages along x, y and z; 65535 represents 1.
+/// Returns a voxel's radiance, CastVoxel::c[0…2]. `normal` is octahedral, or null if the scene has no normals. Without
+/// a normal the voxel receives light from the sky only. `coverage` is the sum of coverages along x, y and z, in 1/255.
 /// Exact   IEEE float.
-GB_HD CastVoxel shade_voxel(const std::uint8_t rgba[4], const std::int8_t* normal, const CastLight& light,
-                            const Tables& tables, const Vec3<std::uint16_t>& coverage) {
-  CastVoxel voxel{};
-  for (int a = 0; a < 3; ++a) voxel.c[3 + a] = coverage[a];
+GB_HD Vec3<std::uint16_t> shaded_radiance(const Vec3<std::uint8_t>& rgb, const std::int8_t* normal,
+                                          const CastLight& light, const Tables& tables, int coverage) {
   float facing_sun = 0, up = 1;
   if (normal != nullptr) {
     const std::int16_t* n = tables.unit_normal + 4 * (std::uint8_t(normal[0]) | std::uint8_t(normal[1]) << 8);
@@ -29,13 +27,14 @@ GB_HD CastVoxel shade_voxel(const std::uint8_t rgba[4], const std::int8_t* norma
     facing_sun = dot > 0 ? dot * (1.0f / 32767) : 0;
     up = 0.5f + n[2] * (0.5f / 32767);
   }
-  const int sum = (coverage[0] + coverage[1]) + coverage[2];
-  const float weight = float(sum) * (0.5f / (3 * 65535));  // radiance is stored halved, see CastVoxel
+  const float weight = float(257 * coverage) * (0.5f / (3 * 65535));  // radiance is stored halved, see CastVoxel
+  Vec3<std::uint16_t> radiance;
+  GB_UNROLL
   for (int k = 0; k < 3; ++k) {
     const float irradiance = light.sun[k] * facing_sun + (light.sky[k] * up + light.ground[k] * (1 - up));
-    voxel.c[k] = to_unorm16(float(tables.linear_from_srgb[rgba[k]]) * irradiance * weight);
+    radiance[k] = to_unorm16(float(tables.linear_from_srgb[rgb[k]]) * irradiance * weight);
   }
-  return voxel;
+  return radiance;
 }
 
 }  // namespace gigabake::kernels

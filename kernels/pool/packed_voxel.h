@@ -31,17 +31,26 @@ struct PackedVoxel {
 };
 inline constexpr std::int8_t no_normal = -128;  ///< a value of x that no normal has
 
+/// Packs the parts of a voxel: radiance as in CastVoxel::c, coverages in 1/255, and a point of the octahedron, or
+/// no_normal as its x.
+GB_HD PackedVoxel pack_voxel(const Vec3<std::uint16_t>& radiance, const Vec3<std::uint8_t>& coverage,
+                             const Vec3<std::int32_t>& normal, std::uint8_t plane) {
+  const std::uint32_t behind = normal[2] < 0 ? 1 : 0;
+  return {{std::uint32_t(radiance[0]) | std::uint32_t(radiance[1]) << 16,
+           std::uint32_t(radiance[2]) | std::uint32_t(coverage[0]) << 16 | std::uint32_t(coverage[1]) << 24,
+           std::uint32_t(coverage[2]) | std::uint32_t(std::uint8_t(normal[0])) << 8 |
+               std::uint32_t(std::uint8_t(normal[1])) << 16 | std::uint32_t(plane) << 24 | behind << 31}};
+}
+
 /// Packs a voxel.
 /// Exact   unpack_voxel() returns the same voxel.
 /// Range   Coverages are multiples of 257; the normal lies on the octahedron, or there is none.
 GB_HD PackedVoxel pack_voxel(const CastVoxel& voxel) {
-  const std::uint32_t behind = voxel.normal[2] < 0 ? 1 : 0;
-  const bool has_normal = (voxel.normal[0] | voxel.normal[1] | voxel.normal[2]) != 0;
-  const std::int8_t x = has_normal ? voxel.normal[0] : no_normal;
-  return {{std::uint32_t(voxel.c[0]) | std::uint32_t(voxel.c[1]) << 16,
-           std::uint32_t(voxel.c[2]) | std::uint32_t(voxel.c[3] / 257) << 16 | std::uint32_t(voxel.c[4] / 257) << 24,
-           std::uint32_t(voxel.c[5] / 257) | std::uint32_t(std::uint8_t(x)) << 8 |
-               std::uint32_t(std::uint8_t(voxel.normal[1])) << 16 | std::uint32_t(voxel.plane) << 24 | behind << 31}};
+  Vec3<std::int32_t> normal{voxel.normal[0], voxel.normal[1], voxel.normal[2]};
+  if ((normal[0] | normal[1] | normal[2]) == 0) normal[0] = no_normal;
+  return pack_voxel({voxel.c[0], voxel.c[1], voxel.c[2]},
+                    {std::uint8_t(voxel.c[3] / 257), std::uint8_t(voxel.c[4] / 257), std::uint8_t(voxel.c[5] / 257)},
+                    normal, voxel.plane);
 }
 
 /// Returns the coverage in a view along an axis (0 … 2); 65535 represents 1.

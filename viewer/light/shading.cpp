@@ -14,11 +14,13 @@ namespace {
 /// `mean` is the mean over the three axes: (a + 2(a - a²/2)) / 3.
 double directional_coverage_below(double mean) { return mean >= 2.0 / 3 ? 1 : (3 - std::sqrt(9 - 12 * mean)) / 2; }
 
-/// Sets red, green and blue to the normal's x, y and z, mapped from [-1, 1] to 0 … 255.
-void paint_normal(const std::int8_t* normal, std::uint8_t rgba[4]) {
+/// Returns the normal's x, y and z, mapped from [-1, 1] to 0 … 255.
+Vec3<std::uint8_t> colour_of_normal(const std::int8_t* normal) {
   const std::size_t code = std::size_t(std::uint8_t(normal[0])) | std::size_t(std::uint8_t(normal[1])) << 8;
   const std::int16_t* n = kernels::TableStore::host().view().unit_normal + 4 * code;
-  for (int c = 0; c < 3; ++c) rgba[c] = std::uint8_t((n[c] + 32767) * 255 / 65534);
+  Vec3<std::uint8_t> colour;
+  for (int c = 0; c < 3; ++c) colour[c] = std::uint8_t((n[c] + 32767) * 255 / 65534);
+  return colour;
 }
 
 /// Colours that differ in hue and lightness, after the usual colours of LAS classes. Class 2 (ground) is brown, 3 to 5
@@ -59,30 +61,36 @@ Shading::Shading(const kernels::CastLight& light, const SceneHeader& scene, Surf
     }
 }
 
-kernels::CastVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal,
-                                       const std::uint8_t* directional_coverage, VoxelClass voxel_class) const {
-  Vec3<std::uint16_t> coverage;
-  // If a voxel's whole surface lies on its plane, the ray caster derives the coverage from the plane. Alpha is
-  // then the coverage along all axes; it matters only in a brick that replaces missing finer bricks.
-  const bool is_planar =
-      directional_coverage != nullptr && is_fully_planar(directional_coverage[directional_coverage_plane]);
-  for (int a = 0; a < 3; ++a)
-    coverage[a] =
-        std::uint16_t(257 * (directional_coverage == nullptr || lod == 0 ? coverage_[std::size_t(lod)][rgba[3]]
-                             : is_planar                                 ? rgba[3]
-                                         : std::max<std::uint8_t>(directional_coverage[a], 1)));
-  std::uint8_t shown[4] = {rgba[0], rgba[1], rgba[2], rgba[3]};
-  if (surface_ == Surface::coverage) std::fill_n(shown, 3, rgba[3]);
-  if (surface_ == Surface::voxel_class) std::ranges::copy(class_colour(voxel_class), shown);
-  if (surface_ == Surface::normal && has_normals_) paint_normal(normal, shown);
-  kernels::CastVoxel voxel = kernels::shade_voxel(shown, has_normals_ && surface_ == Surface::colour ? normal : nullptr,
-                                                  light_, kernels::TableStore::host().view(), coverage);
-  if (!has_normals_) return voxel;
-  if (directional_coverage != nullptr) voxel.plane = directional_coverage[directional_coverage_plane];
-  if (lod == 0 && rgba[3] < 255) voxel.plane = kernels::clear_plane;
-  const OctahedronPoint n = octahedron_point(normal);
-  for (int a = 0; a < 3; ++a) voxel.normal[a] = std::int8_t(n.c[a]);
-  return voxel;
+/// Returns the coverages along x, y and z. If a voxel's whole surface lies on its plane, the ray caster derives the
+/// coverage from the plane. Alpha is then the coverage along all axes; it matters only in a brick that replaces missing
+/// finer bricks.
+Vec3<std::uint8_t> Shading::coverage_of(int lod, std::uint8_t alpha, const std::uint8_t* directional_coverage) const {
+  if (directional_coverage == nullptr || lod == 0) return Vec3<std::uint8_t>::all(coverage_[std::size_t(lod)][alpha]);
+  if (is_fully_planar(directional_coverage[directional_coverage_plane])) return Vec3<std::uint8_t>::all(alpha);
+  const auto at_least_one = [](std::uint8_t c) { return std::max<std::uint8_t>(c, 1); };
+  return {at_least_one(directional_coverage[0]), at_least_one(directional_coverage[1]),
+          at_least_one(directional_coverage[2])};
+}
+
+Vec3<std::uint8_t> Shading::colour_of(const std::uint8_t rgba[4], const std::int8_t* normal,
+                                      VoxelClass voxel_class) const {
+  if (surface_ == Surface::coverage) return Vec3<std::uint8_t>::all(rgba[3]);
+  if (surface_ == Surface::normal && has_normals_) return colour_of_normal(normal);
+  if (surface_ != Surface::voxel_class) return {rgba[0], rgba[1], rgba[2]};
+  const auto [red, green, blue] = class_colour(voxel_class);
+  return {red, green, blue};
+}
+
+kernels::PackedVoxel Shading::operator()(int lod, const std::uint8_t rgba[4], const std::int8_t* normal,
+                                         const std::uint8_t* directional_coverage, VoxelClass voxel_class) const {
+  const Vec3<std::uint8_t> coverage = coverage_of(lod, rgba[3], directional_coverage);
+  const Vec3<std::uint16_t> radiance = kernels::shaded_radiance(
+      colour_of(rgba, normal, voxel_class), has_normals_ && surface_ == Surface::colour ? normal : nullptr, light_,
+      tables_, coverage[0] + coverage[1] + coverage[2]);
+  if (!has_normals_) return kernels::pack_voxel(radiance, coverage, {kernels::no_normal, 0, 0}, 0);
+  std::uint8_t plane = directional_coverage != nullptr ? directional_coverage[directional_coverage_plane] : 0;
+  if (lod == 0 && rgba[3] < 255) plane = kernels::clear_plane;
+  return kernels::pack_voxel(radiance, coverage, octahedron_point(normal).c, plane);
 }
 
 }  // namespace gigabake

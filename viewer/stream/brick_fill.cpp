@@ -74,8 +74,8 @@ class BrickFiller {
     }
   }
 
-  void put(int x, int y, int z, const kernels::CastVoxel& voxel) {
-    slot_.voxel[x + slot_edge * (y + slot_edge * z)] = kernels::pack_voxel(voxel);
+  void put(int x, int y, int z, const kernels::PackedVoxel& voxel) {
+    slot_.voxel[x + slot_edge * (y + slot_edge * z)] = voxel;
     slot_.row[z][y] = std::uint16_t(slot_.row[z][y] | 1u << x);
   }
 
@@ -86,7 +86,7 @@ class BrickFiller {
       for (int y = part.min[1]; y < part.end[1]; ++y)
         for (int x = part.min[0]; x < part.end[0]; ++x) {
           const Vec3i64 v{lattice(0, x), lattice(1, y), lattice(2, z) + half};
-          if (const auto voxel = coarser_voxel(v)) put(x, y, z, *voxel);
+          if (const auto voxel = coarser_voxel(v)) put(x, y, z, kernels::pack_voxel(*voxel));
         }
   }
 
@@ -124,14 +124,12 @@ class BrickFiller {
           } else {
             voxel->plane = 0;
           }
-          put(x, y, z, *voxel);
+          put(x, y, z, kernels::pack_voxel(*voxel));
         }
   }
 
   std::optional<kernels::CastVoxel> voxel_at(const VoxelPlace& place, int lod, const Vec3i64& v) const {
-    if (place.kind == VoxelPlace::Kind::constant)
-      return shading_(lod, place.rgba.data(), place.normal.data(),
-                      place.has_directional_coverage ? place.directional_coverage.data() : nullptr, place.voxel_class);
+    if (place.kind == VoxelPlace::Kind::constant) return kernels::unpack_voxel(constant_voxel(place, lod));
     if (place.kind != VoxelPlace::Kind::brick) return {};
     const auto at = static_cast<Vec3<int>>((v - place.box.min) >> lod);
     const std::uint64_t* mask = &place.block->mask[8 * place.brick];
@@ -140,10 +138,15 @@ class BrickFiller {
     std::uint32_t rank = place.block->first[place.brick];
     for (int z = 0; z < at[2]; ++z) rank += std::uint32_t(std::popcount(mask[z]));
     rank += std::uint32_t(std::popcount(mask[at[2]] & ((std::uint64_t(1) << bit) - 1)));
-    return stored_voxel(*place.block, rank, lod);
+    return kernels::unpack_voxel(stored_voxel(*place.block, rank, lod));
   }
 
-  kernels::CastVoxel stored_voxel(const BrickBlock& block, std::uint32_t rank, int lod) const {
+  kernels::PackedVoxel constant_voxel(const VoxelPlace& place, int lod) const {
+    return shading_(lod, place.rgba.data(), place.normal.data(),
+                    place.has_directional_coverage ? place.directional_coverage.data() : nullptr, place.voxel_class);
+  }
+
+  kernels::PackedVoxel stored_voxel(const BrickBlock& block, std::uint32_t rank, int lod) const {
     const std::int8_t* normal = block.normal.empty() ? nullptr : &block.normal[2 * std::size_t(rank)];
     const std::uint8_t* directional_coverage =
         block.directional_coverage.empty()
@@ -154,9 +157,7 @@ class BrickFiller {
   }
 
   void fill_constant(const SlotPart& part, const VoxelPlace& place) {
-    const kernels::CastVoxel voxel =
-        shading_(lod_, place.rgba.data(), place.normal.data(),
-                 place.has_directional_coverage ? place.directional_coverage.data() : nullptr, place.voxel_class);
+    const kernels::PackedVoxel voxel = constant_voxel(place, lod_);
     for (int z = part.min[2]; z < part.end[2]; ++z)
       for (int y = part.min[1]; y < part.end[1]; ++y)
         for (int x = part.min[0]; x < part.end[0]; ++x) put(x, y, z, voxel);
