@@ -106,8 +106,11 @@ struct ShardPages::DecodedBricks {
   std::uint64_t end() const { return begin + level.mask.size() / 8; }
 };
 
-ShardPages::ShardPages(const std::filesystem::path& path)
-    : file_(Hdf5File::open(path)), header_(read_header(file_)), version_(read_version(file_)), levels_(header_.lods) {}
+ShardPages::ShardPages(const std::filesystem::path& path, std::shared_ptr<ChunkCache> chunks)
+    : file_(Hdf5File::open(path, std::move(chunks))),
+      header_(read_header(file_)),
+      version_(read_version(file_)),
+      levels_(header_.lods) {}
 
 ShardPages::~ShardPages() = default;
 

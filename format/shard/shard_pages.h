@@ -24,7 +24,8 @@ namespace gigabake {
 /// Errors  InputError naming file and dataset, from every member.
 class ShardPages {
  public:
-  explicit ShardPages(const std::filesystem::path& path);
+  /// `chunks` keeps unpacked chunks of several shards; null: each call unpacks its chunks.
+  explicit ShardPages(const std::filesystem::path& path, std::shared_ptr<ChunkCache> chunks = {});
   ~ShardPages();
 
   const ShardHeader& header() const { return header_; }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "format/shard/hdf5/chunk_cache.h"
 #include "format/system/host_limits.h"
 #include "viewer/pictures/frame_renderer.h"
 #include "viewer/pictures/render.h"
@@ -81,12 +82,13 @@ struct FrameRenderer::State {
       return;
     }
     edits = edits_text_of(*scene);
+    const auto chunks = std::make_shared<ChunkCache>(chunk_bytes(wishes));
     if (scene->root().pages.empty()) {
-      table = std::make_shared<ShardTable>(*scene, max_open(wishes), files_opened);
+      table = std::make_shared<ShardTable>(*scene, max_open(wishes), files_opened, chunks);
       numbers = table->add_all(*scene);
       source = [all = table](const PageKey& key) { return all->page(key); };
     } else {
-      paged_table = std::make_shared<PagedShards>(scene, max_open(wishes), files_opened);
+      paged_table = std::make_shared<PagedShards>(scene, max_open(wishes), files_opened, chunks);
       source = [all = paged_table](const PageKey& key) { return all->page(key); };
     }
     fill(filling_of({}));
@@ -101,14 +103,19 @@ struct FrameRenderer::State {
   static std::uint64_t memory_of(const Options& wishes) {
     return std::min(wishes.memory_bytes, host_limits().memory_bytes / 2);
   }
+  /// Returns the memory for unpacked chunks of shards. More than the limit saves little: neighbouring pages need the
+  /// same chunks within a short time.
+  static std::uint64_t chunk_bytes(const Options& wishes) {
+    return std::min(memory_of(wishes) / 32, std::uint64_t(32) << 20);
+  }
   static std::size_t max_open(const Options& wishes) { return open_shards_within(memory_of(wishes)); }
 
-  /// Returns the memory for pools and pages. The open shards reduce it by at most 1/8. A scene can have fewer shards
-  /// than the limit of open shards.
+  /// Returns the memory for pools and pages. The open shards reduce it by at most 1/8, and their chunks by 1/32. A
+  /// scene can have fewer shards than the limit of open shards.
   std::uint64_t bytes_next_to_shards() const {
     const std::uint64_t shards = scene->totals().cells + scene->totals().overviews, all = memory_of(options);
     const std::uint64_t open = std::min<std::uint64_t>(max_open(options), shards) * open_shard_bytes;
-    return all - std::min(open, all / 8) - bytes_for_rays();
+    return all - std::min(open, all / 8) - chunk_bytes(options) - bytes_for_rays();
   }
 
   /// Returns the memory for the rays of a large tile on the CPU. It grows with the number of threads, because caches of

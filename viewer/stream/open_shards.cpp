@@ -15,8 +15,8 @@ std::size_t open_shards_within(std::uint64_t memory_bytes) {
 }
 
 OpenShards::OpenShards(NumberedShards& numbers, std::size_t max_open,
-                       std::shared_ptr<std::atomic<std::uint64_t>> files_opened)
-    : numbers_(numbers), files_opened_(std::move(files_opened)), shards_(max_open) {}
+                       std::shared_ptr<std::atomic<std::uint64_t>> files_opened, std::shared_ptr<ChunkCache> chunks)
+    : numbers_(numbers), files_opened_(std::move(files_opened)), chunks_(std::move(chunks)), shards_(max_open) {}
 
 std::shared_ptr<OpenShards::Shard> OpenShards::entry_of(std::uint32_t number) {
   std::vector<std::shared_ptr<Shard>> closed;  // destroyed after the lock is released
@@ -30,7 +30,7 @@ std::shared_ptr<OpenShards::Shard> OpenShards::entry_of(std::uint32_t number) {
 std::shared_ptr<const ShardPages> OpenShards::open(std::uint32_t number) {
   const SceneCell description = numbers_.shard(number);
   const std::filesystem::path path = numbers_.scene().folder() / description.file;
-  auto pages = std::make_shared<const ShardPages>(path);
+  auto pages = std::make_shared<const ShardPages>(path, chunks_);
   if (files_opened_) ++*files_opened_;
   expect_shard_of_scene(path, pages->header(), numbers_.scene().header(), description);
   return pages;

@@ -18,15 +18,18 @@ inline constexpr std::uint64_t open_shard_bytes = std::uint64_t(320) << 10;
 /// Returns the number of shards that may be open: as many as fit into an eighth of `memory_bytes`, but 4 to 400.
 std::size_t open_shards_within(std::uint64_t memory_bytes);
 
-/// Returns the same source as pages_from_files() (page.h), but with at most `max_open` open shards.
+/// Returns the same source as pages_from_files() (page.h), but with at most `max_open` open shards. `chunks` keeps
+/// their unpacked chunks; null: none are kept.
 PageSource pages_from_open_shards(std::shared_ptr<const PagedScene> scene,
-                                  std::shared_ptr<std::atomic<std::uint64_t>> files_opened, std::size_t max_open);
+                                  std::shared_ptr<std::atomic<std::uint64_t>> files_opened, std::size_t max_open,
+                                  std::shared_ptr<ChunkCache> chunks = {});
 
 class OpenShards {
  public:
-  /// Borrows `numbers`. Counts each opened shard in `files_opened`; null: not counted.
+  /// Borrows `numbers`. Counts each opened shard in `files_opened`; null: not counted. `chunks` keeps unpacked chunks;
+  /// null: none are kept.
   OpenShards(NumberedShards& numbers, std::size_t max_open,
-             std::shared_ptr<std::atomic<std::uint64_t>> files_opened = {});
+             std::shared_ptr<std::atomic<std::uint64_t>> files_opened = {}, std::shared_ptr<ChunkCache> chunks = {});
 
   /// Returns an open shard, which stays open while the pointer is held. Thread-safe: a thread that waits for its file
   /// does not block other threads.
@@ -43,6 +46,7 @@ class OpenShards {
 
   NumberedShards& numbers_;
   std::shared_ptr<std::atomic<std::uint64_t>> files_opened_;
+  std::shared_ptr<ChunkCache> chunks_;
   std::mutex mutex_;
   LruCache<std::uint32_t, std::shared_ptr<Shard>> shards_;  ///< by number; the cost of a shard is 1
 };

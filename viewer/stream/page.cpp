@@ -58,15 +58,17 @@ Page page_of(const ShardPages& shard, const PageKey& key) {
 }
 
 PageSource pages_from_open_shards(std::shared_ptr<const PagedScene> scene,
-                                  std::shared_ptr<std::atomic<std::uint64_t>> files_opened, std::size_t max_open) {
+                                  std::shared_ptr<std::atomic<std::uint64_t>> files_opened, std::size_t max_open,
+                                  std::shared_ptr<ChunkCache> chunks) {
   struct Files {
     NumberedShards numbers;
     OpenShards shards;
     Files(std::shared_ptr<const PagedScene> scene, const std::shared_ptr<std::atomic<std::uint64_t>>& opened,
-          std::size_t max_open)
-        : numbers(std::move(scene), opened), shards(numbers, max_open, opened) {}
+          std::size_t max_open, std::shared_ptr<ChunkCache> chunks)
+        : numbers(std::move(scene), opened), shards(numbers, max_open, opened, std::move(chunks)) {}
   };
-  return [files = std::make_shared<Files>(std::move(scene), files_opened, max_open)](const PageKey& key) {
+  return [files = std::make_shared<Files>(std::move(scene), files_opened, max_open, std::move(chunks))](
+             const PageKey& key) {
     if (key.part <= PageKey::listing) return files->numbers.listing(key);
     return page_of(*files->shards.get(key.shard), key);
   };

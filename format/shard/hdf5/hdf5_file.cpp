@@ -100,14 +100,16 @@ Hdf5File Hdf5File::create(FileImage& image, const std::filesystem::path& called)
   return file;
 }
 
-Hdf5File Hdf5File::open(const std::filesystem::path& path) {
+Hdf5File Hdf5File::open(const std::filesystem::path& path, std::shared_ptr<ChunkCache> chunks) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path, "", "no such file; bake the scene again");
   const Hdf5Call call{path, ""};
   configure_hdf5(call);
   const Hdf5Id access = access_properties(call);
   count_work(WorkCounter::files_opened);
-  return {path, call.id("H5Fopen", H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose)};
+  Hdf5File file(path, call.id("H5Fopen", H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose));
+  file.chunks_ = std::move(chunks);
+  return file;
 }
 
 void Hdf5File::fail(const std::string& object, const std::string& message) const {

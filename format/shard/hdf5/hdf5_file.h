@@ -31,6 +31,8 @@ enum class BytePlanes : std::uint8_t {
   of_rows,      ///< for columns whose bytes have different meanings; the column is a list of arrays
 };
 
+class ChunkCache;
+
 /// The description of one dataset of fixed-width rows.
 struct Hdf5Column {
   std::string name;  ///< path in the file, e.g. "/lod_0/mask"
@@ -73,7 +75,8 @@ class Hdf5File {
   /// Creates a file in memory and borrows `image`. After close(), image.write_to() writes the file to disk. Messages
   /// name the file `called`.
   static Hdf5File create(FileImage& image, const std::filesystem::path& called);
-  static Hdf5File open(const std::filesystem::path& path);
+  /// Opens a file for reading. `chunks` keeps the unpacked chunks that Hdf5Rows reads; null: none are kept.
+  static Hdf5File open(const std::filesystem::path& path, std::shared_ptr<ChunkCache> chunks = {});
 
   /// Writes the columns in chunks, encoded as in chunk_codec.h. The threads of `pool` pack the chunks in one loop over
   /// all columns. One thread at a time stores the chunks that are ready, in order.
@@ -104,6 +107,8 @@ class Hdf5File {
   }
 
   const std::filesystem::path& path() const { return path_; }
+  /// Returns the cache of unpacked chunks; null if there is none.
+  ChunkCache* chunks() const { return chunks_.get(); }
   /// Returns the file descriptor of the open file, for pread(). HDF5 still owns the descriptor.
   int descriptor() const;
 
@@ -128,6 +133,7 @@ class Hdf5File {
   std::filesystem::path path_;
   Hdf5Id file_;
   FileImage* image_ = nullptr;  ///< of a file in memory
+  std::shared_ptr<ChunkCache> chunks_;
   std::unique_ptr<ReadCounters> reads_ = std::make_unique<ReadCounters>();
 };
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/pluralize.h"
+#include "format/shard/hdf5/chunk_cache.h"
 #include "format/shard/hdf5/chunk_codec.h"
 #include "format/shard/hdf5/hdf5_types.h"
 
@@ -16,6 +17,8 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint64_t max_chunk_bytes = std::uint64_t(1) << 31;
+/// Larger chunks are not kept, because few of them would fill the cache.
+constexpr std::uint64_t max_kept_bytes = std::uint64_t(1) << 20;
 
 /// Returns the max number of bytes that one stored byte can expand to.
 std::uint64_t max_expansion_ratio(Codec codec) { return codec == Codec::lz4 ? 255 : 1032; }
@@ -109,7 +112,8 @@ Hdf5Rows::Hdf5Rows(const Hdf5File& file, const Hdf5Column& column)
       column_(column),
       set_(file.open_column(column)),
       descriptor_(file.descriptor()),
-      file_bytes_(size_of_file(file)) {
+      file_bytes_(size_of_file(file)),
+      number_(file.chunks() != nullptr ? file.chunks()->add_column() : 0) {
   const Hdf5Call call{file.path(), column.name};
   const StatedSize size = checked_size(file, column, set_, file_bytes_);
   rows_ = size.rows;
@@ -163,8 +167,26 @@ std::vector<std::uint8_t> Hdf5Rows::stored_chunk(std::uint64_t index) const {
 
 void Hdf5Rows::read(std::uint64_t first, std::uint64_t count, void* to) const {
   file_.add_read_rows(count);
+  if (file_.chunks() != nullptr && chunk_rows_ * column_.row_bytes() <= max_kept_bytes)
+    return read_from_cache(first, count, static_cast<std::uint8_t*>(to));
   read_chunked_rows(first, count, chunk_rows_, column_.row_bytes(), to,
                     [this](std::uint64_t index, std::span<std::uint8_t> raw) { read_chunk(index, raw); });
+}
+
+void Hdf5Rows::read_from_cache(std::uint64_t first, std::uint64_t count, std::uint8_t* to) const {
+  const std::size_t row_bytes = column_.row_bytes();
+  for (const std::uint64_t end = first + count; first < end;) {
+    const std::uint64_t index = first / chunk_rows_, begin = index * chunk_rows_;
+    const std::uint64_t rows = std::min(end, begin + chunk_rows_) - first;
+    const auto chunk = file_.chunks()->get(number_, index, [&] {
+      auto unpacked = std::make_shared<ChunkCache::Chunk>();
+      unpacked->raw.resize(chunk_rows_ * row_bytes);
+      read_chunk(index, unpacked->raw);
+      return unpacked;
+    });
+    to = std::copy_n(chunk->raw.begin() + std::ptrdiff_t((first - begin) * row_bytes), rows * row_bytes, to);
+    first += rows;
+  }
 }
 
 }  // namespace gigabake

@@ -29,8 +29,8 @@ class Hdf5Rows : public StoredRows {
 
   /// Reads rows [first, first + count). Thread-safe.
   /// Range   `to` has the size of `count` rows; first + count ≤ rows().
-  /// Cost    Reads all chunks that overlap the range, each completely. Unpacks each chunk at least up to the range's
-  ///         end.
+  /// Cost    Reads all chunks that overlap the range, each completely, unless the file's cache has them. Unpacks each
+  ///         chunk at least up to the range's end.
   /// Errors  InputError: a chunk is missing, lies outside of the file, or its checksum is wrong.
   void read(std::uint64_t first, std::uint64_t count, void* to) const override;
 
@@ -40,6 +40,8 @@ class Hdf5Rows : public StoredRows {
   };
   Chunk find_chunk(std::uint64_t index) const;
   std::vector<std::uint8_t> bytes_of_chunk(std::uint64_t index) const;
+  /// Implements read() with the file's cache of chunks.
+  void read_from_cache(std::uint64_t first, std::uint64_t count, std::uint8_t* to) const;
   /// Fills `raw` with the first bytes of chunk `index`.
   void read_chunk(std::uint64_t index, std::span<std::uint8_t> raw) const;
   [[noreturn]] void fail_chunk(std::uint64_t index, const char* message) const;
@@ -50,6 +52,7 @@ class Hdf5Rows : public StoredRows {
   int descriptor_;
   ChunkFilters filters_;
   std::uint64_t file_bytes_, rows_ = 0, chunk_rows_ = 0;
+  std::uint64_t number_ = 0;  ///< in the file's cache of chunks
   mutable std::mutex mutex_;
   mutable std::unordered_map<std::uint64_t, Chunk> chunks_;  ///< chunks located so far, by index
 };

@@ -1,12 +1,16 @@
 #include "format/shard/shard_pages.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <gtest/gtest.h>
+#include <memory>
 #include <thread>
 
 #include "broken_shards.h"
 #include "core/base/error.h"
+#include "core/base/work_counts.h"
+#include "format/shard/hdf5/chunk_cache.h"
 #include "made_shard.h"
 #include "tests/random_seed.h"
 
@@ -80,7 +84,9 @@ TEST(ShardPages, GiveForAnyRangeThatPartOfTheWhole) {
   for (int round = 0; round < 24; ++round) {
     const Shard shard = made::random_shard(rng, {1 + round % 5, round % 3 != 0, 1 + round % 8});
     write_shard(folder / "s.h5", shard, {});
-    const ShardPages pages(folder / "s.h5");
+    // A third of the rounds have no cache, a third a cache that holds nothing, and a third one that holds all chunks.
+    const auto chunks = round % 3 == 0 ? nullptr : std::make_shared<ChunkCache>(round % 3 == 1 ? 0 : 1u << 30);
+    const ShardPages pages(folder / "s.h5", chunks);
     EXPECT_EQ(made::difference({shard.header, {}, {}}, {pages.header(), {}, {}}), "");
     EXPECT_EQ(pages.node_rows(), shard.nodes.key.size());
     for (int range = 0; range < 40; ++range) expect_random_range(pages, shard, rng, "round " + std::to_string(round));
@@ -101,15 +107,34 @@ TEST(ShardPages, GiveTheSameWhereColumnsHaveManyChunksAndManyThreadsReadThem) {
   const TempFolder folder;
   const Shard shard = large_shard(rng);
   write_shard(folder / "s.h5", shard, {ThreadPool(2)});
-  const ShardPages pages(folder / "s.h5");
-  std::vector<std::jthread> readers;
-  for (int t = 0; t < 4; ++t)
-    readers.emplace_back([&, t] {
-      std::mt19937_64 own(seed + std::uint64_t(t));
-      for (int range = 0; range < 200; ++range)
-        expect_random_range(pages, shard, own,
-                            "seed " + std::to_string(std::uint64_t(seed)) + ", thread " + std::to_string(t));
-    });
+  for (const auto& chunks : {std::shared_ptr<ChunkCache>(), std::make_shared<ChunkCache>(1u << 20)}) {
+    const ShardPages pages(folder / "s.h5", chunks);
+    std::vector<std::jthread> readers;
+    for (int t = 0; t < 4; ++t)
+      readers.emplace_back([&, t] {
+        std::mt19937_64 own(seed + std::uint64_t(t));
+        for (int range = 0; range < 200; ++range)
+          expect_random_range(pages, shard, own,
+                              "seed " + std::to_string(std::uint64_t(seed)) + ", thread " + std::to_string(t));
+      });
+  }
+}
+
+TEST(ShardPages, ReadEachChunkOnceIfACacheHoldsAll) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  const TempFolder folder;
+  const Shard shard = large_shard(rng);
+  write_shard(folder / "s.h5", shard, {ThreadPool(2)});
+  const auto read_bytes = [&](const std::shared_ptr<ChunkCache>& chunks) {
+    const WorkCounts before = work_counts();
+    const ShardPages pages(folder / "s.h5", chunks);
+    for (std::uint64_t brick = 0; brick < pages.bricks(0); brick += 64) pages.level(0, brick, 64);
+    return work_counts().since(before)[WorkCounter::shard_bytes_read];
+  };
+  const std::uint64_t kept = read_bytes(std::make_shared<ChunkCache>(1u << 30));
+  EXPECT_LE(kept, std::filesystem::file_size(folder / "s.h5"));
+  EXPECT_LT(2 * kept, read_bytes(nullptr));
 }
 
 TEST(ShardPages, OfAConstantCellHaveOneNodeAndNoBricks) {

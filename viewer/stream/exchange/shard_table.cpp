@@ -27,8 +27,12 @@ Page page_of_empty(const PageKey& key) {
 }  // namespace
 
 ShardTable::ShardTable(const PagedScene& scene, std::size_t max_open,
-                       std::shared_ptr<std::atomic<std::uint64_t>> files_opened)
-    : folder_(scene.folder()), header_(scene.header()), files_opened_(std::move(files_opened)), open_(max_open) {}
+                       std::shared_ptr<std::atomic<std::uint64_t>> files_opened, std::shared_ptr<ChunkCache> chunks)
+    : folder_(scene.folder()),
+      header_(scene.header()),
+      files_opened_(std::move(files_opened)),
+      chunks_(std::move(chunks)),
+      open_(max_open) {}
 
 std::uint32_t ShardTable::add(const SceneCell& shard) {
   const std::scoped_lock lock(mutex_);
@@ -52,7 +56,7 @@ void ShardTable::replace(std::uint32_t number, const SceneCell& shard) {
 
 ShardTable::Pages ShardTable::open(const SceneCell& shard) const {
   const std::filesystem::path path = folder_ / shard.file;
-  auto pages = std::make_shared<const ShardPages>(path);
+  auto pages = std::make_shared<const ShardPages>(path, chunks_);
   if (files_opened_) ++*files_opened_;
   expect_shard_of_scene(path, pages->header(), header_, shard);
   return pages;

@@ -33,9 +33,9 @@ struct ShardNumbers {
 class ShardTable {
  public:
   /// Opens shards of the scene's folder, and keeps at most `max_open` of them open. Counts each opened shard in
-  /// `files_opened`; null: not counted.
+  /// `files_opened`; null: not counted. `chunks` keeps unpacked chunks; null: none are kept.
   ShardTable(const PagedScene& scene, std::size_t max_open,
-             std::shared_ptr<std::atomic<std::uint64_t>> files_opened = {});
+             std::shared_ptr<std::atomic<std::uint64_t>> files_opened = {}, std::shared_ptr<ChunkCache> chunks = {});
 
   /// Adds a shard and returns its number. A shard without `file` is an empty tree.
   /// Range   The cell belongs to a scene with the lattice, place and channels of the first scene.
@@ -57,6 +57,7 @@ class ShardTable {
   const std::filesystem::path folder_;
   const SceneHeader header_;
   const std::shared_ptr<std::atomic<std::uint64_t>> files_opened_;
+  const std::shared_ptr<ChunkCache> chunks_;
   std::mutex mutex_;  ///< guards the members below
   std::vector<SceneCell> shards_;
   LruCache<std::uint32_t, Pages> open_;
