@@ -34,6 +34,17 @@ class ColumnSource {
   virtual std::unique_ptr<StoredRows> open(const Hdf5Column& column) const = 0;
 };
 
+/// Calls visit(index, before, rows) for each chunk that rows [first, first + count) overlap, in order. `rows` rows of
+/// chunk `index` belong to the range; `before` rows of the chunk precede them.
+template <class Visit>
+void for_each_chunk_of_rows(std::uint64_t first, std::uint64_t count, std::uint64_t chunk_rows, const Visit& visit) {
+  for (const std::uint64_t end = first + count; first < end;) {
+    const std::uint64_t before = first % chunk_rows, rows = std::min(end - first, chunk_rows - before);
+    visit(first / chunk_rows, before, rows);
+    first += rows;
+  }
+}
+
 /// Reads rows [first, first + count) of a column that is stored in chunks of `chunk_rows` rows.
 /// read_chunk(index, raw) must fill `raw` with the first unpacked bytes of chunk `index`.
 template <class ReadChunk>
@@ -41,19 +52,16 @@ void read_chunked_rows(std::uint64_t first, std::uint64_t count, std::uint64_t c
                        void* to, const ReadChunk& read_chunk) {
   auto* out = static_cast<std::uint8_t*>(to);
   std::vector<std::uint8_t> part;
-  for (const std::uint64_t end = first + count; first < end;) {
-    const std::uint64_t index = first / chunk_rows, begin = index * chunk_rows;
-    const std::uint64_t rows = std::min(end, begin + chunk_rows) - first;
-    if (first == begin) {
+  for_each_chunk_of_rows(first, count, chunk_rows, [&](std::uint64_t index, std::uint64_t before, std::uint64_t rows) {
+    if (before == 0) {
       read_chunk(index, std::span(out, rows * row_bytes));
     } else {
-      part.resize((first - begin + rows) * row_bytes);
+      part.resize((before + rows) * row_bytes);
       read_chunk(index, std::span(part));
       std::copy_n(part.end() - std::ptrdiff_t(rows * row_bytes), rows * row_bytes, out);
     }
     out += rows * row_bytes;
-    first += rows;
-  }
+  });
 }
 
 }  // namespace gigabake

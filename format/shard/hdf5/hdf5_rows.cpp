@@ -175,18 +175,15 @@ void Hdf5Rows::read(std::uint64_t first, std::uint64_t count, void* to) const {
 
 void Hdf5Rows::read_from_cache(std::uint64_t first, std::uint64_t count, std::uint8_t* to) const {
   const std::size_t row_bytes = column_.row_bytes();
-  for (const std::uint64_t end = first + count; first < end;) {
-    const std::uint64_t index = first / chunk_rows_, begin = index * chunk_rows_;
-    const std::uint64_t rows = std::min(end, begin + chunk_rows_) - first;
+  for_each_chunk_of_rows(first, count, chunk_rows_, [&](std::uint64_t index, std::uint64_t before, std::uint64_t rows) {
     const auto chunk = file_.chunks()->get(number_, index, [&] {
       auto unpacked = std::make_shared<ChunkCache::Chunk>();
       unpacked->raw.resize(chunk_rows_ * row_bytes);
       read_chunk(index, unpacked->raw);
       return unpacked;
     });
-    to = std::copy_n(chunk->raw.begin() + std::ptrdiff_t((first - begin) * row_bytes), rows * row_bytes, to);
-    first += rows;
-  }
+    to = std::copy_n(chunk->raw.begin() + std::ptrdiff_t(before * row_bytes), rows * row_bytes, to);
+  });
 }
 
 }  // namespace gigabake
