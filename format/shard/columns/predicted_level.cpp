@@ -30,26 +30,35 @@ struct PredictedLevel::Range {
 
 PredictedLevel::PredictedLevel(const ColumnSource& source, const ShardHeader& header, int lod, std::uint64_t bricks)
     : source_(source), lod_(lod), bricks_(bricks) {
-  for (const LevelColumn column : level_columns(header, lod))
-    columns_[std::size_t(column)] = source.open(level_column(lod, column));
+  for (const LevelColumn column : level_columns(header, lod)) columns_[std::size_t(column)].is_stored = true;
   const std::uint64_t starts = (bricks + bricks_per_start - 1) / bricks_per_start;
   expect(rows(LevelColumn::first).rows() == starts + 1, LevelColumn::first, 0,
          "the number of bricks differs from the nodes of this level");
   totals_ = read_rows<Starts>(LevelColumn::first, starts, 1)[0];
-  for (std::size_t c = 0; c < columns_.size(); ++c) {
-    const auto column = LevelColumn(c);
-    if (column == LevelColumn::first || !has(column)) continue;
-    const std::size_t counted = column == LevelColumn::children ? of_children
-                                : column == LevelColumn::facing ? of_facing
-                                                                : of_voxels;
-    expect(rows(column).rows() == totals_[counted], column, 0, "does not match first");
-  }
   expect(read_rows<Starts>(LevelColumn::first, 0, 1)[0] == Starts{} || starts == 0, LevelColumn::first, 0,
          "does not begin at 0");
   expect(voxels() <= bricks * brick_voxels && (starts != 0 || totals_ == Starts{}), LevelColumn::first, starts,
          wrong_starts);
   is_dense_ = totals_[of_children] == bricks * groups_per_brick;
   is_complete_ = totals_[of_facing] == totals_[of_voxels];
+}
+
+const StoredRows& PredictedLevel::rows(LevelColumn column) const {
+  Column& of = columns_[std::size_t(column)];
+  const std::scoped_lock lock(of.opening);
+  if (of.rows != nullptr) return *of.rows;
+  std::unique_ptr<StoredRows> opened = source_.open(level_column(lod_, column));
+  const std::size_t counted = column == LevelColumn::children ? of_children
+                              : column == LevelColumn::facing ? of_facing
+                                                              : of_voxels;
+  if (column != LevelColumn::first) expect(opened->rows() == totals_[counted], column, 0, "does not match first");
+  of.rows = std::move(opened);
+  return *of.rows;
+}
+
+void PredictedLevel::check_all_columns() const {
+  for (std::size_t column = 0; column < columns_.size(); ++column)
+    if (has(LevelColumn(column))) rows(LevelColumn(column));
 }
 
 std::string PredictedLevel::name(LevelColumn column) const { return level_column(lod_, column).name; }
@@ -61,8 +70,9 @@ void PredictedLevel::expect(bool holds, LevelColumn column, std::uint64_t row, c
 /// Reads rows of a column, one T or several per row.
 template <class T>
 std::vector<T> PredictedLevel::read_rows(LevelColumn column, std::uint64_t first, std::uint64_t count) const {
+  const StoredRows& from = rows(column);
   std::vector<T> out(count * row_of(column).bytes / sizeof(T));
-  rows(column).read(first, count, out.data());
+  from.read(first, count, out.data());
   return out;
 }
 
@@ -190,6 +200,7 @@ BrickLevel PredictedLevel::read(std::uint64_t begin, std::span<const BrickParent
                                 Values values) const {
   Range range{begin, parents, above, {}, {}, {}};
   range.out.first = {0};
+  if (values == Values::all) check_all_columns();
   if (parents.empty()) return std::move(range.out);
   for (const BrickParent& parent : parents)
     if (parent.kind == BrickParent::brick && !above.contains(parent.value))

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,7 +18,8 @@ namespace gigabake {
 class PredictedLevel {
  public:
   /// Borrows `source`. `bricks` is the number of the level's bricks in the node table.
-  /// Errors  InputError: the columns do not match each other or `bricks`. Also the errors of ColumnSource::open().
+  /// Cost    Opens the column `first`. Each other column is opened at its first use.
+  /// Errors  InputError: the column `first` does not match `bricks`. Also the errors of ColumnSource::open().
   PredictedLevel(const ColumnSource& source, const ShardHeader& header, int lod, std::uint64_t bricks);
 
   std::uint64_t bricks() const { return bricks_; }
@@ -33,7 +35,8 @@ class PredictedLevel {
   /// Decodes consecutive bricks, starting at `begin`. `parents` has their parents; bricks among them are in `above`.
   /// Thread-safe.
   /// Range   `begin` is a multiple of bricks_per_start; begin + parents.size() ≤ bricks().
-  /// Errors  InputError naming the dataset, and the row or brick that breaks a rule.
+  /// Errors  InputError naming the dataset, and the row or brick that breaks a rule. Checks the numbers of rows of the
+  ///         columns that it uses; Values::all uses all.
   BrickLevel read(std::uint64_t begin, std::span<const BrickParent> parents, const SomeBricks& above,
                   Values values) const;
 
@@ -44,8 +47,17 @@ class PredictedLevel {
   /// The bricks that are decoded, with the results so far.
   struct Range;
 
-  const StoredRows& rows(LevelColumn column) const { return *columns_[std::size_t(column)]; }
-  bool has(LevelColumn column) const { return columns_[std::size_t(column)] != nullptr; }
+  /// A column that is opened at its first use.
+  struct Column {
+    bool is_stored = false;
+    std::mutex opening;                ///< guards `rows`
+    std::unique_ptr<StoredRows> rows;  ///< null: not opened yet
+  };
+
+  /// Returns a stored column. Opens it at the first call and checks its number of rows.
+  const StoredRows& rows(LevelColumn column) const;
+  bool has(LevelColumn column) const { return columns_[std::size_t(column)].is_stored; }
+  void check_all_columns() const;
   template <class T>
   std::vector<T> read_rows(LevelColumn column, std::uint64_t first, std::uint64_t count) const;
   std::vector<Starts> read_starts(std::uint64_t begin, std::uint64_t bricks) const;
@@ -61,7 +73,7 @@ class PredictedLevel {
   const ColumnSource& source_;
   int lod_;
   std::uint64_t bricks_;
-  std::array<std::unique_ptr<StoredRows>, level_column_count> columns_;  ///< by LevelColumn; null: not stored
+  mutable std::array<Column, level_column_count> columns_;  ///< by LevelColumn
   Starts totals_ = {};
   bool is_dense_ = false, is_complete_ = false;  ///< as in LevelDifferences
 };

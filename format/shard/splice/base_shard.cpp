@@ -91,7 +91,7 @@ BaseShard::BaseShard(const std::filesystem::path& path, const ThreadPool& pool)
     for (const LevelColumn column : level_columns(header(), int(lod)))
       levels_[lod].columns[std::size_t(column)] = std::make_unique<Hdf5Rows>(file_, level_column(int(lod), column));
   read_masks(pool);
-  for (BaseLevel& level : levels_) read_rows(level, pool);
+  for (std::size_t lod = 0; lod < lods(); ++lod) read_rows(int(lod), pool);
 }
 
 /// Decodes the masks of all levels, from the coarsest.
@@ -122,15 +122,20 @@ void BaseShard::read_masks(const ThreadPool& pool) {
   }
 }
 
-/// Counts alphas, and the rows of the column `facing`.
-void BaseShard::read_rows(BaseLevel& level, const ThreadPool& pool) {
+/// Counts alphas, and the rows of the column `facing`. Checks the columns that have a row per voxel.
+void BaseShard::read_rows(int lod, const ThreadPool& pool) {
+  BaseLevel& level = levels_[std::size_t(lod)];
+  for (std::size_t c = 0; c < level.columns.size(); ++c) {
+    const auto column = LevelColumn(c);
+    if (level.columns[c] != nullptr && column != LevelColumn::first && counted_by(column) == of_voxels &&
+        level.columns[c]->rows() != level.bricks.first.back())
+      file_.fail(level_column(lod, column).name, "does not match first");
+  }
   level.alphas = alphas_of(*level.columns[std::size_t(LevelColumn::alpha)], pool);
   const Hdf5Rows* facing = level.columns[std::size_t(LevelColumn::facing)].get();
   if (facing == nullptr) return;
   const Hdf5Rows* planes = level.columns[std::size_t(LevelColumn::plane)].get();
   const std::vector<std::uint64_t>& first = level.bricks.first;
-  if (planes != nullptr && planes->rows() != first.back())
-    file_.fail("plane", "has another number of rows than its level has voxels");
   const std::vector<std::uint64_t> before = planes != nullptr ? coverages_before(*planes, first, pool) : first;
   for (std::size_t b = 0; b < before.size(); ++b) level.before[b][of_facing] = before[b];
   if (level.before.back()[of_facing] != facing->rows()) is_spliceable_ = false;

@@ -53,7 +53,7 @@ class BaseShard {
 
  private:
   void read_masks(const ThreadPool& pool);
-  void read_rows(BaseLevel& level, const ThreadPool& pool);
+  void read_rows(int lod, const ThreadPool& pool);
 
   ShardPages pages_;
   Hdf5File file_;

@@ -1,12 +1,18 @@
 // Levels since version 7: differences are lossless, and columns that contradict each other are refused.
+#include "format/shard/columns/predicted_level.h"
+
+#include <algorithm>
 #include <functional>
 #include <gtest/gtest.h>
 #include <random>
 
 #include "core/base/error.h"
 #include "core/codec/prediction.h"
+#include "format/shard/columns/packed_columns.h"
+#include "format/shard/shard_layout.h"
 #include "format/shard/shard_pages.h"
 #include "format/shard/shard_reader.h"
+#include "format/shard/splice/base_shard.h"
 #include "made_shard.h"
 #include "packed_by_hand.h"
 #include "tests/random_seed.h"
@@ -184,6 +190,72 @@ TEST(PredictedLevel, IsRefusedWhereItsColumnsContradictEachOther) {
       EXPECT_NE(message.find(rule), std::string::npos) << rule << " in " << message;
     }
   }
+}
+
+/// Edits copy rows of stored columns without decoding them.
+TEST(BaseShard, IsRefusedIfAColumnHasAnotherNumberOfRowsThanVoxels) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  const made::TempFolder folder;
+  const Shard shard = nested_shard(rng);
+  for (const LevelColumn column : {LevelColumn::rgb, LevelColumn::alpha, LevelColumn::normal, LevelColumn::plane}) {
+    PackedByHand packed(shard, PackedByHand::As::raw, Codec::deflate);
+    packed.edit(0, column, [&](RowBytes& b) { b.resize(b.size() + row_of(column).bytes, 1); });
+    write_packed_shard(folder / "s.h5", packed.packed, {});
+    try {
+      const BaseShard base(folder / "s.h5", callers_thread());
+      ADD_FAILURE() << level_column(0, column).name << " is accepted";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(level_column(0, column).name + ": does not match first"),
+                std::string::npos)
+          << error.what();
+    }
+  }
+}
+
+/// A source that records the names of the columns that are opened.
+class RecordedColumns : public ColumnSource {
+ public:
+  explicit RecordedColumns(const ColumnSource& source) : source_(source) {}
+  const std::filesystem::path& path() const override { return source_.path(); }
+  bool has(const Hdf5Column& column) const override { return source_.has(column); }
+  std::unique_ptr<StoredRows> open(const Hdf5Column& column) const override {
+    opened.push_back(column.name);
+    return source_.open(column);
+  }
+  mutable std::vector<std::string> opened;
+
+ private:
+  const ColumnSource& source_;
+};
+
+TEST(PredictedLevel, OpensEachColumnOnceAtItsFirstUse) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  const Shard shard = nested_shard(rng);
+  const int lod = int(shard.levels.size()) - 1;
+  const std::uint64_t bricks = shard.levels.back().mask.size() / 8;
+  const PackedByHand packed(shard, PackedByHand::As::raw, Codec::deflate);
+  const PackedColumns columns(packed.packed);
+  const RecordedColumns source(columns);
+  const PredictedLevel level(source, shard.header, lod, bricks);
+  std::vector<std::string> expected;
+  const auto expect_also = [&](std::initializer_list<LevelColumn> opened) {
+    for (const LevelColumn column : opened) expected.push_back(level_column(lod, column).name);
+    std::ranges::sort(expected);
+    std::ranges::sort(source.opened);
+    EXPECT_EQ(source.opened, expected);
+  };
+  expect_also({LevelColumn::first});
+  const std::vector<BrickParent> parents(bricks);
+  level.read(0, parents, {}, PredictedLevel::Values::masks);
+  expect_also({LevelColumn::children});
+  level.read(0, parents, {}, PredictedLevel::Values::predictions);
+  expect_also({LevelColumn::rgb, LevelColumn::normal});
+  level.read(0, parents, {}, PredictedLevel::Values::all);
+  expect_also({LevelColumn::alpha, LevelColumn::facing, LevelColumn::plane});
+  level.read(0, parents, {}, PredictedLevel::Values::all);
+  expect_also({});
 }
 
 /// Changes bytes at random; all checksums are correct.
