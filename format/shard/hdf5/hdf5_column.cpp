@@ -39,21 +39,17 @@ hid_t creation_properties(const Hdf5Call& call, const Hdf5Column& column, std::s
 
 }  // namespace
 
-Hdf5Id Hdf5File::open_column(const Hdf5Column& column) const {
+OpenColumn Hdf5File::open_column(const Hdf5Column& column) const {
   const Hdf5Call call{path_, column.name};
   configure_hdf5(call);
-  // Disables HDF5's cache of unpacked chunks: chunks are read and written in stored form, so the cache would only take
-  // memory.
-  const Hdf5Id access = call.id("H5Pcreate", H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
-  call("H5Pset_chunk_cache", H5Pset_chunk_cache(access.get(), 0, 0, H5D_CHUNK_CACHE_W0_DEFAULT));
-  Hdf5Id set = call.id("H5Dopen2", H5Dopen2(file_.get(), column.name.c_str(), access.get()), H5Dclose);
+  Hdf5Id set = call.id("H5Dopen2", H5Dopen2(file_.get(), column.name.c_str(), H5P_DEFAULT), H5Dclose);
   // The layout is checked before the shape, because reading the shape of a virtual dataset opens the files that the
   // dataset refers to.
-  const Hdf5Id create = call.id("H5Dget_create_plist", H5Dget_create_plist(set.get()), H5Pclose);
-  if (call("H5Pget_layout", H5Pget_layout(create.get())) == H5D_VIRTUAL ||
-      call("H5Pget_external_count", H5Pget_external_count(create.get())) != 0)
+  Hdf5Id properties = call.id("H5Dget_create_plist", H5Dget_create_plist(set.get()), H5Pclose);
+  const H5D_layout_t layout = call("H5Pget_layout", H5Pget_layout(properties.get()));
+  if (layout == H5D_VIRTUAL || call("H5Pget_external_count", H5Pget_external_count(properties.get())) != 0)
     fail(column.name, "stores its data in other files; a shard must contain all of its data");
-  return set;
+  return {std::move(set), std::move(properties), layout == H5D_CHUNKED};
 }
 
 Hdf5Id Hdf5File::make_column(const Hdf5Column& column, std::uint64_t rows, Codec codec) {
@@ -61,11 +57,10 @@ Hdf5Id Hdf5File::make_column(const Hdf5Column& column, std::uint64_t rows, Codec
   const hsize_t shape[2] = {rows, column.width};
   const Hdf5Id space = call.id("H5Screate_simple", H5Screate_simple(column.dimensions(), shape, nullptr), H5Sclose);
   const hid_t properties = creation_properties(call, column, rows, codec);
-  const Hdf5Id type = hdf5_type(call, column);
-  return call.id(
-      "H5Dcreate2",
-      H5Dcreate2(file_.get(), column.name.c_str(), type.get(), space.get(), H5P_DEFAULT, properties, H5P_DEFAULT),
-      H5Dclose);
+  return call.id("H5Dcreate2",
+                 H5Dcreate2(file_.get(), column.name.c_str(), hdf5_type(call, column), space.get(), H5P_DEFAULT,
+                            properties, H5P_DEFAULT),
+                 H5Dclose);
 }
 
 bool Hdf5File::has_column(const Hdf5Column& column) const {
@@ -75,7 +70,7 @@ bool Hdf5File::has_column(const Hdf5Column& column) const {
 }
 
 std::uint64_t Hdf5File::stored_bytes(const Hdf5Column& column) const {
-  return H5Dget_storage_size(open_column(column).get());
+  return H5Dget_storage_size(open_column(column).set.get());
 }
 
 }  // namespace gigabake

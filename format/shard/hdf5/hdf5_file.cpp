@@ -1,7 +1,12 @@
 #include "format/shard/hdf5/hdf5_file.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <hdf5.h>
+#include <map>
+#include <sys/stat.h>
+#include <utility>
 
 #include "core/base/error.h"
 #include "format/shard/hdf5/hdf5_types.h"
@@ -12,15 +17,23 @@ namespace {
 
 constexpr std::size_t max_text = 64 << 10;
 
-/// Returns the access properties of all files. Selects the format of HDF5 1.10, which has checksums in object headers
+/// Makes the access properties of all files. Selects the format of HDF5 1.10, which has checksums in object headers
 /// and chunk indexes. Disables file locks, because many cluster file systems lack them. Published files never change,
-/// so they need no locks.
-Hdf5Id access_properties(const Hdf5Call& call) {
-  Hdf5Id access = call.id("H5Pcreate", H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  call("H5Pset_libver_bounds", H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110));
-  call("H5Pset_fapl_sec2", H5Pset_fapl_sec2(access.get()));  // descriptor() requires plain files
-  call("H5Pset_fclose_degree", H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG));
-  call("H5Pset_file_locking", H5Pset_file_locking(access.get(), false, true));
+/// so they need no locks. Disables HDF5's cache of unpacked chunks: chunks are read and written in stored form, so the
+/// cache would only take memory.
+hid_t made_access_properties(const Hdf5Call& call) {
+  const hid_t access = call("H5Pcreate", H5Pcreate(H5P_FILE_ACCESS));
+  call("H5Pset_libver_bounds", H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110));
+  call("H5Pset_fapl_sec2", H5Pset_fapl_sec2(access));  // descriptor() requires plain files
+  call("H5Pset_fclose_degree", H5Pset_fclose_degree(access, H5F_CLOSE_STRONG));
+  call("H5Pset_file_locking", H5Pset_file_locking(access, false, true));
+  call("H5Pset_cache", H5Pset_cache(access, 0, 0, 0, 1));
+  return access;
+}
+
+/// Returns properties that all files on disk share. They are never closed.
+hid_t access_properties(const Hdf5Call& call) {
+  static const hid_t access = made_access_properties(call);
   return access;
 }
 
@@ -48,11 +61,14 @@ std::int64_t hdf5_type(Hdf5Type type) {
   return H5T_IEEE_F64LE;
 }
 
-Hdf5Id hdf5_type(const Hdf5Call& call, const Hdf5Column& column) {
+std::int64_t hdf5_type(const Hdf5Call& call, const Hdf5Column& column) {
   const std::int64_t element = hdf5_type(column.type);
-  if (column.planes != BytePlanes::of_rows) return call.id("H5Tcopy", H5Tcopy(element), H5Tclose);
+  if (column.planes != BytePlanes::of_rows) return element;
+  static std::map<std::pair<Hdf5Type, hsize_t>, hid_t> arrays;  // guarded by the turn of `call`
   const hsize_t width = column.width;
-  return call.id("H5Tarray_create2", H5Tarray_create2(element, 1, &width), H5Tclose);
+  hid_t& array = arrays[{column.type, width}];
+  if (array == 0) array = call("H5Tarray_create2", H5Tarray_create2(element, 1, &width));
+  return array;
 }
 
 std::size_t element_bytes(Hdf5Type type) {
@@ -74,10 +90,10 @@ Hdf5File::Hdf5File(std::filesystem::path path, Hdf5Id file) : path_(std::move(pa
 
 namespace {
 
-Hdf5Id created(const Hdf5Call& call, const std::filesystem::path& path, const Hdf5Id& access) {
+Hdf5Id created(const Hdf5Call& call, const std::filesystem::path& path, hid_t access) {
   const Hdf5Id properties = call.id("H5Pcreate", H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   call("H5Pset_obj_track_times", H5Pset_obj_track_times(properties.get(), false));
-  return call.id("H5Fcreate", H5Fcreate(path.c_str(), H5F_ACC_TRUNC, properties.get(), access.get()), H5Fclose);
+  return call.id("H5Fcreate", H5Fcreate(path.c_str(), H5F_ACC_TRUNC, properties.get(), access), H5Fclose);
 }
 
 }  // namespace
@@ -93,7 +109,7 @@ Hdf5File Hdf5File::create(FileImage& image, const std::filesystem::path& called)
   const Hdf5Call call{called, ""};
   configure_hdf5(call);
   image.begin_file();
-  const Hdf5Id access = access_properties(call);
+  static const hid_t access = made_access_properties(call);
   set_image_driver(call, access, image);
   Hdf5File file(called, created(call, called, access));
   file.image_ = &image;
@@ -105,9 +121,14 @@ Hdf5File Hdf5File::open(const std::filesystem::path& path, std::shared_ptr<Chunk
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path, "", "no such file; bake the scene again");
   const Hdf5Call call{path, ""};
   configure_hdf5(call);
-  const Hdf5Id access = access_properties(call);
   count_work(WorkCounter::files_opened);
-  Hdf5File file(path, call.id("H5Fopen", H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose));
+  Hdf5File file(path, call.id("H5Fopen", H5Fopen(path.c_str(), H5F_ACC_RDONLY, access_properties(call)), H5Fclose));
+  void* handle = nullptr;
+  call("H5Fget_vfd_handle", H5Fget_vfd_handle(file.file_.get(), H5P_DEFAULT, &handle));
+  file.descriptor_ = *static_cast<const int*>(handle);
+  struct stat status {};
+  if (::fstat(file.descriptor_, &status) != 0) file.fail("", std::string("fstat failed: ") + std::strerror(errno));
+  file.bytes_ = std::uint64_t(status.st_size);
   file.chunks_ = std::move(chunks);
   return file;
 }
@@ -179,12 +200,6 @@ std::string Hdf5File::read_text(const char* name) const {
   call("H5Aread", H5Aread(attribute.get(), type.get(), text.data()));
   text.resize(std::min(text.find('\0'), text.size()));
   return text;
-}
-
-int Hdf5File::descriptor() const {
-  void* handle = nullptr;
-  Hdf5Call{path_, ""}("H5Fget_vfd_handle", H5Fget_vfd_handle(file_.get(), H5P_DEFAULT, &handle));
-  return *static_cast<const int*>(handle);
 }
 
 void Hdf5File::close() { Hdf5Call{path_, ""}("H5Fclose", file_.close()); }

@@ -65,6 +65,12 @@ struct ColumnRows {
   std::span<const std::span<const std::uint8_t>> stored = {};
 };
 
+/// A dataset that is open for reading.
+struct OpenColumn {
+  Hdf5Id set, properties;  ///< creation properties
+  bool is_chunked;
+};
+
 /// An open HDF5 file.
 /// Cost    HDF5 serves one thread at a time. Chunks are therefore compressed and read outside of HDF5 (hdf5_rows.h).
 /// Errors  InputError naming file, object and reason, from every member.
@@ -83,7 +89,8 @@ class Hdf5File {
   /// Returns the stored size of each column in bytes, compressed and without HDF5's metadata.
   /// Cost    Holds up to all stored chunks in memory if the disk is slow.
   std::vector<std::uint64_t> write_columns(std::span<const ColumnRows> columns, Codec codec, const ThreadPool& pool);
-  Hdf5Id open_column(const Hdf5Column& column) const;
+  /// Opens a dataset. Rejects datasets whose data is in other files.
+  OpenColumn open_column(const Hdf5Column& column) const;
   bool has_column(const Hdf5Column& column) const;  ///< also false if the column's group is missing
   /// Returns the stored size of the column in bytes, compressed and without HDF5's metadata.
   std::uint64_t stored_bytes(const Hdf5Column& column) const;
@@ -109,8 +116,10 @@ class Hdf5File {
   const std::filesystem::path& path() const { return path_; }
   /// Returns the cache of unpacked chunks; null if there is none.
   ChunkCache* chunks() const { return chunks_.get(); }
-  /// Returns the file descriptor of the open file, for pread(). HDF5 still owns the descriptor.
-  int descriptor() const;
+  /// Returns the file descriptor of a file that was opened for reading, for pread(). HDF5 still owns the descriptor.
+  int descriptor() const { return descriptor_; }
+  /// Returns the size that the file had when it was opened for reading.
+  std::uint64_t bytes() const { return bytes_; }
 
   void close();
   [[noreturn]] void fail(const std::string& object, const std::string& message) const;
@@ -132,6 +141,8 @@ class Hdf5File {
 
   std::filesystem::path path_;
   Hdf5Id file_;
+  int descriptor_ = -1;  ///< of a file opened for reading, like bytes_
+  std::uint64_t bytes_ = 0;
   FileImage* image_ = nullptr;  ///< of a file in memory
   std::shared_ptr<ChunkCache> chunks_;
   std::unique_ptr<ReadCounters> reads_ = std::make_unique<ReadCounters>();

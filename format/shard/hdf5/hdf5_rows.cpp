@@ -23,12 +23,6 @@ constexpr std::uint64_t max_kept_bytes = std::uint64_t(1) << 20;
 /// Returns the max number of bytes that one stored byte can expand to.
 std::uint64_t max_expansion_ratio(Codec codec) { return codec == Codec::lz4 ? 255 : 1032; }
 
-std::uint64_t size_of_file(const Hdf5File& file) {
-  struct stat status {};
-  if (::fstat(file.descriptor(), &status) != 0) file.fail("", std::string("fstat failed: ") + std::strerror(errno));
-  return std::uint64_t(status.st_size);
-}
-
 /// Returns the filters of the dataset. Rejects filters that chunk_codec.h cannot undo. Accepted are an optional
 /// shuffle, then LZ4 or deflate, then the checksum.
 ChunkFilters checked_filters(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& properties) {
@@ -55,21 +49,18 @@ struct StatedSize {
   std::uint64_t rows = 0, stored_bytes = 0;
 };
 
-StatedSize checked_size(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set, std::uint64_t file_bytes) {
+StatedSize checked_size(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set) {
   const Hdf5Call call{file.path(), column.name};
   const Hdf5Id space = call.id("H5Dget_space", H5Dget_space(set.get()), H5Sclose);
   const Hdf5Id type = call.id("H5Dget_type", H5Dget_type(set.get()), H5Tclose);
-  const Hdf5Id expected_type = hdf5_type(call, column);
-  hsize_t shape[2] = {0, 1};
-  const std::size_t width = column.dimensions() == 1 ? 1 : column.width;
-  if (call("H5Sget_simple_extent_ndims", H5Sget_simple_extent_ndims(space.get())) != column.dimensions())
+  hsize_t shape[H5S_MAX_RANK] = {};
+  const int dimensions = call("H5Sget_simple_extent_dims", H5Sget_simple_extent_dims(space.get(), shape, nullptr));
+  if (dimensions != column.dimensions() || (dimensions == 2 && shape[1] != column.width))
     file.fail(column.name, "has another shape than expected");
-  call("H5Sget_simple_extent_dims", H5Sget_simple_extent_dims(space.get(), shape, nullptr));
-  if (shape[1] != width) file.fail(column.name, "has another shape than expected");
-  if (call("H5Tequal", H5Tequal(type.get(), expected_type.get())) == 0)
+  if (call("H5Tequal", H5Tequal(type.get(), hdf5_type(call, column))) == 0)
     file.fail(column.name, "has another type than expected");
   const std::uint64_t stored = H5Dget_storage_size(set.get());
-  if (stored > file_bytes) file.fail(column.name, "states a stored size that exceeds the size of the file");
+  if (stored > file.bytes()) file.fail(column.name, "states a stored size that exceeds the size of the file");
   return {shape[0], stored};
 }
 
@@ -80,13 +71,13 @@ void check_expansion(const Hdf5File& file, const Hdf5Column& column, const State
 }
 
 /// Returns the number of rows per chunk, which is the same for all chunks of the dataset.
-std::uint64_t checked_chunk_rows(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& properties,
+std::uint64_t checked_chunk_rows(const Hdf5File& file, const Hdf5Column& column, const OpenColumn& open,
                                  std::uint64_t rows) {
   const Hdf5Call call{file.path(), column.name};
   const std::size_t width = column.dimensions() == 1 ? 1 : column.width;
   hsize_t chunk[2] = {0, width};
-  if (call("H5Pget_layout", H5Pget_layout(properties.get())) != H5D_CHUNKED ||
-      call("H5Pget_chunk", H5Pget_chunk(properties.get(), column.dimensions(), chunk)) != column.dimensions() ||
+  if (!open.is_chunked ||
+      call("H5Pget_chunk", H5Pget_chunk(open.properties.get(), column.dimensions(), chunk)) != column.dimensions() ||
       chunk[0] == 0 || chunk[0] > rows || chunk[0] > max_chunk_bytes / column.row_bytes() || chunk[1] != width)
     file.fail(column.name, "is not stored in the expected chunks");
   return chunk[0];
@@ -107,21 +98,20 @@ bool read_bytes(int descriptor, std::uint64_t offset, std::span<std::uint8_t> to
 
 }  // namespace
 
-Hdf5Rows::Hdf5Rows(const Hdf5File& file, const Hdf5Column& column)
+Hdf5Rows::Hdf5Rows(const Hdf5File& file, const Hdf5Column& column) : Hdf5Rows(file, column, file.open_column(column)) {}
+
+Hdf5Rows::Hdf5Rows(const Hdf5File& file, const Hdf5Column& column, OpenColumn open)
     : file_(file),
       column_(column),
-      set_(file.open_column(column)),
-      descriptor_(file.descriptor()),
-      file_bytes_(size_of_file(file)),
+      set_(std::move(open.set)),
       number_(file.chunks() != nullptr ? file.chunks()->add_column() : 0) {
-  const Hdf5Call call{file.path(), column.name};
-  const StatedSize size = checked_size(file, column, set_, file_bytes_);
+  const Hdf5Turn turn;
+  const StatedSize size = checked_size(file, column, set_);
   rows_ = size.rows;
   if (rows_ == 0) return;
-  const Hdf5Id properties = call.id("H5Dget_create_plist", H5Dget_create_plist(set_.get()), H5Pclose);
-  filters_ = checked_filters(file, column, properties);
+  filters_ = checked_filters(file, column, open.properties);
   check_expansion(file, column, size, filters_.codec);
-  chunk_rows_ = checked_chunk_rows(file, column, properties, rows_);
+  chunk_rows_ = checked_chunk_rows(file, column, open, rows_);
 }
 
 void Hdf5Rows::fail_chunk(std::uint64_t index, const char* message) const {
@@ -139,8 +129,8 @@ Hdf5Rows::Chunk Hdf5Rows::find_chunk(std::uint64_t index) const {
   hsize_t bytes = 0;
   call("H5Dget_chunk_info_by_coord", H5Dget_chunk_info_by_coord(set_.get(), row, &skipped_filters, &offset, &bytes));
   const std::uint64_t raw_bytes = chunk_rows_ * column_.row_bytes();
-  if (skipped_filters != 0 || bytes == 0 || bytes > raw_bytes + raw_bytes / 8 + 4096 || bytes > file_bytes_ ||
-      offset > file_bytes_ - bytes)
+  if (skipped_filters != 0 || bytes == 0 || bytes > raw_bytes + raw_bytes / 8 + 4096 || bytes > file_.bytes() ||
+      offset > file_.bytes() - bytes)
     fail_chunk(index, "the chunk is missing or damaged");
   return chunks_[index] = {offset, bytes};
 }
@@ -149,7 +139,7 @@ std::vector<std::uint8_t> Hdf5Rows::bytes_of_chunk(std::uint64_t index) const {
   const Chunk chunk = find_chunk(index);
   std::vector<std::uint8_t> stored(chunk.bytes);
   file_.add_read_bytes(chunk.bytes);
-  if (!read_bytes(descriptor_, chunk.offset, stored))
+  if (!read_bytes(file_.descriptor(), chunk.offset, stored))
     fail_chunk(index, errno == 0 ? "the file ends before it" : std::strerror(errno));
   return stored;
 }

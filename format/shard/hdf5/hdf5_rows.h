@@ -38,6 +38,7 @@ class Hdf5Rows : public StoredRows {
   struct Chunk {
     std::uint64_t offset = 0, bytes = 0;
   };
+  Hdf5Rows(const Hdf5File& file, const Hdf5Column& column, OpenColumn open);
   Chunk find_chunk(std::uint64_t index) const;
   std::vector<std::uint8_t> bytes_of_chunk(std::uint64_t index) const;
   /// Implements read() with the file's cache of chunks.
@@ -49,9 +50,8 @@ class Hdf5Rows : public StoredRows {
   const Hdf5File& file_;
   Hdf5Column column_;
   Hdf5Id set_;
-  int descriptor_;
   ChunkFilters filters_;
-  std::uint64_t file_bytes_, rows_ = 0, chunk_rows_ = 0;
+  std::uint64_t rows_ = 0, chunk_rows_ = 0;
   std::uint64_t number_ = 0;  ///< in the file's cache of chunks
   mutable std::mutex mutex_;
   mutable std::unordered_map<std::uint64_t, Chunk> chunks_;  ///< chunks located so far, by index

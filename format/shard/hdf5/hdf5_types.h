@@ -11,7 +11,8 @@ inline constexpr int lz4_filter = 32004;  ///< number registered by The HDF Grou
 
 /// Returns the identifier of a predefined HDF5 type. HDF5 owns the type, so the caller must not close it.
 std::int64_t hdf5_type(Hdf5Type type);
-/// Returns the type of the dataset's items: elements, or arrays if the column has BytePlanes::of_rows.
-Hdf5Id hdf5_type(const Hdf5Call& call, const Hdf5Column& column);
+/// Returns the type of the dataset's items: elements, or arrays if the column has BytePlanes::of_rows. The caller must
+/// not close it, because columns share types.
+std::int64_t hdf5_type(const Hdf5Call& call, const Hdf5Column& column);
 
 }  // namespace gigabake

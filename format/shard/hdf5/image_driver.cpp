@@ -115,9 +115,9 @@ hid_t image_driver(const Hdf5Call& call) {
 
 }  // namespace
 
-void set_image_driver(const Hdf5Call& call, const Hdf5Id& access, FileImage& image) {
+void set_image_driver(const Hdf5Call& call, std::int64_t access, FileImage& image) {
   const ImageAccess info{&image};
-  call("H5Pset_driver", H5Pset_driver(access.get(), image_driver(call), &info));
+  call("H5Pset_driver", H5Pset_driver(access, image_driver(call), &info));
 }
 
 }  // namespace gigabake

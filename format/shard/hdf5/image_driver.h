@@ -7,6 +7,6 @@
 namespace gigabake {
 
 /// Sets the properties `access` so that a file that is created with them is in memory. `image` must outlive the file.
-void set_image_driver(const Hdf5Call& call, const Hdf5Id& access, FileImage& image);
+void set_image_driver(const Hdf5Call& call, std::int64_t access, FileImage& image);
 
 }  // namespace gigabake
