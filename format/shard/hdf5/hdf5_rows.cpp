@@ -19,6 +19,9 @@ namespace {
 constexpr std::uint64_t max_chunk_bytes = std::uint64_t(1) << 31;
 /// Larger chunks are not kept, because few of them would fill the cache.
 constexpr std::uint64_t max_kept_bytes = std::uint64_t(1) << 20;
+/// The max number of chunks that are all located when the column is opened. HDF5's time to locate a chunk is
+/// proportional to the chunk's index.
+constexpr std::uint64_t max_located = 16;
 
 /// Returns the max number of bytes that one stored byte can expand to.
 std::uint64_t max_expansion_ratio(Codec codec) { return codec == Codec::lz4 ? 255 : 1032; }
@@ -44,12 +47,8 @@ ChunkFilters checked_filters(const Hdf5File& file, const Hdf5Column& column, con
   file.fail(column.name, "is not stored with the expected filters");
 }
 
-/// The size of a dataset as the file states it.
-struct StatedSize {
-  std::uint64_t rows = 0, stored_bytes = 0;
-};
-
-StatedSize checked_size(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set) {
+/// Returns the number of rows that the dataset states.
+std::uint64_t checked_rows(const Hdf5File& file, const Hdf5Column& column, const Hdf5Id& set) {
   const Hdf5Call call{file.path(), column.name};
   const Hdf5Id space = call.id("H5Dget_space", H5Dget_space(set.get()), H5Sclose);
   const Hdf5Id type = call.id("H5Dget_type", H5Dget_type(set.get()), H5Tclose);
@@ -59,15 +58,15 @@ StatedSize checked_size(const Hdf5File& file, const Hdf5Column& column, const Hd
     file.fail(column.name, "has another shape than expected");
   if (call("H5Tequal", H5Tequal(type.get(), hdf5_type(call, column))) == 0)
     file.fail(column.name, "has another type than expected");
-  const std::uint64_t stored = H5Dget_storage_size(set.get());
-  if (stored > file.bytes()) file.fail(column.name, "states a stored size that exceeds the size of the file");
-  return {shape[0], stored};
+  return shape[0];
 }
 
 /// Rejects a damaged shape whose rows would need more memory than the stored bytes can expand to.
-void check_expansion(const Hdf5File& file, const Hdf5Column& column, const StatedSize& size, Codec codec) {
-  if (size.rows > size.stored_bytes * max_expansion_ratio(codec) / column.row_bytes())
-    file.fail(column.name, "states " + pluralize(size.rows, "row") + ", more than its stored bytes can hold");
+void check_expansion(const Hdf5File& file, const Hdf5Column& column, std::uint64_t rows, std::uint64_t stored_bytes,
+                     Codec codec) {
+  if (stored_bytes > file.bytes()) file.fail(column.name, "states a stored size that exceeds the size of the file");
+  if (rows > stored_bytes * max_expansion_ratio(codec) / column.row_bytes())
+    file.fail(column.name, "states " + pluralize(rows, "row") + ", more than its stored bytes can hold");
 }
 
 /// Returns the number of rows per chunk, which is the same for all chunks of the dataset.
@@ -98,41 +97,55 @@ bool read_bytes(int descriptor, std::uint64_t offset, std::span<std::uint8_t> to
 
 }  // namespace
 
-Hdf5Rows::Hdf5Rows(const Hdf5File& file, const Hdf5Column& column) : Hdf5Rows(file, column, file.open_column(column)) {}
-
-Hdf5Rows::Hdf5Rows(const Hdf5File& file, const Hdf5Column& column, OpenColumn open)
-    : file_(file),
-      column_(column),
-      set_(std::move(open.set)),
-      number_(file.chunks() != nullptr ? file.chunks()->add_column() : 0) {
-  const Hdf5Turn turn;
-  const StatedSize size = checked_size(file, column, set_);
-  rows_ = size.rows;
+Hdf5Rows::Hdf5Rows(const Hdf5File& file, const Hdf5Column& column)
+    : file_(file), column_(column), number_(file.chunks() != nullptr ? file.chunks()->add_column() : 0) {
+  const Hdf5Call call{file.path(), column.name};
+  OpenColumn open = file.open_column(column);
+  rows_ = checked_rows(file, column, open.set);
   if (rows_ == 0) return;
   filters_ = checked_filters(file, column, open.properties);
-  check_expansion(file, column, size, filters_.codec);
   chunk_rows_ = checked_chunk_rows(file, column, open, rows_);
+  const std::uint64_t chunks = 1 + (rows_ - 1) / chunk_rows_;
+  if (chunks > max_located) {
+    set_.emplace(std::move(open.set));
+    check_expansion(file, column, rows_, H5Dget_storage_size(set_->get()), filters_.codec);
+    return;
+  }
+  std::uint64_t stored_bytes = 0;
+  for (std::uint64_t index = 0; index < chunks; ++index) {
+    const Chunk chunk = chunks_[index] = locate(call, open.set, index);
+    stored_bytes += std::min(chunk.bytes, file.bytes());
+  }
+  check_expansion(file, column, rows_, stored_bytes, filters_.codec);
 }
 
 void Hdf5Rows::fail_chunk(std::uint64_t index, const char* message) const {
   file_.fail(column_.name, "row " + std::to_string(index * chunk_rows_) + ": " + message + "; bake the cell again");
 }
 
-Hdf5Rows::Chunk Hdf5Rows::find_chunk(std::uint64_t index) const {
-  const std::scoped_lock lock(mutex_);
-  if (const auto found = chunks_.find(index); found != chunks_.end()) return found->second;
-  const Hdf5Call call{file_.path(), column_.name};
-  configure_hdf5(call);
+Hdf5Rows::Chunk Hdf5Rows::locate(const Hdf5Call& call, const Hdf5Id& set, std::uint64_t index) const {
   const hsize_t row[2] = {index * chunk_rows_, 0};
   unsigned skipped_filters = 0;
   haddr_t offset = 0;
   hsize_t bytes = 0;
-  call("H5Dget_chunk_info_by_coord", H5Dget_chunk_info_by_coord(set_.get(), row, &skipped_filters, &offset, &bytes));
+  call("H5Dget_chunk_info_by_coord", H5Dget_chunk_info_by_coord(set.get(), row, &skipped_filters, &offset, &bytes));
+  return {offset, bytes, skipped_filters == 0};
+}
+
+Hdf5Rows::Chunk Hdf5Rows::find_chunk(std::uint64_t index) const {
+  const std::scoped_lock lock(mutex_);
+  auto found = chunks_.find(index);
+  if (found == chunks_.end()) {
+    const Hdf5Call call{file_.path(), column_.name};
+    configure_hdf5(call);
+    found = chunks_.emplace(index, locate(call, *set_, index)).first;
+  }
+  const auto [offset, bytes, is_filtered] = found->second;
   const std::uint64_t raw_bytes = chunk_rows_ * column_.row_bytes();
-  if (skipped_filters != 0 || bytes == 0 || bytes > raw_bytes + raw_bytes / 8 + 4096 || bytes > file_.bytes() ||
+  if (!is_filtered || bytes == 0 || bytes > raw_bytes + raw_bytes / 8 + 4096 || bytes > file_.bytes() ||
       offset > file_.bytes() - bytes)
     fail_chunk(index, "the chunk is missing or damaged");
-  return chunks_[index] = {offset, bytes};
+  return found->second;
 }
 
 std::vector<std::uint8_t> Hdf5Rows::bytes_of_chunk(std::uint64_t index) const {

@@ -1,9 +1,11 @@
-/// Random access to the rows of a column. HDF5 is called once per chunk to locate it. Reading, checking and unpacking
-/// bypass HDF5, whose lock would admit only one thread at a time.
+/// Random access to the rows of a column. HDF5 is called to locate each chunk once. The dataset of a column with few
+/// chunks is closed when it is checked and its chunks are located. Reading, checking and unpacking bypass HDF5, whose
+/// lock would admit only one thread at a time.
 #pragma once
 
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -36,9 +38,11 @@ class Hdf5Rows : public StoredRows {
 
  private:
   struct Chunk {
-    std::uint64_t offset = 0, bytes = 0;
+    std::uint64_t offset = 0, bytes = 0;  ///< bytes 0: missing
+    bool is_filtered = true;              ///< false: stored without one of the filters
   };
-  Hdf5Rows(const Hdf5File& file, const Hdf5Column& column, OpenColumn open);
+  Chunk locate(const Hdf5Call& call, const Hdf5Id& set, std::uint64_t index) const;
+  /// Returns the place of a chunk that lies inside of the file.
   Chunk find_chunk(std::uint64_t index) const;
   std::vector<std::uint8_t> bytes_of_chunk(std::uint64_t index) const;
   /// Implements read() with the file's cache of chunks.
@@ -49,7 +53,7 @@ class Hdf5Rows : public StoredRows {
 
   const Hdf5File& file_;
   Hdf5Column column_;
-  Hdf5Id set_;
+  std::optional<Hdf5Id> set_;  ///< none if all chunks are located
   ChunkFilters filters_;
   std::uint64_t rows_ = 0, chunk_rows_ = 0;
   std::uint64_t number_ = 0;  ///< in the file's cache of chunks
