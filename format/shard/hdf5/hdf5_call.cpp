@@ -68,13 +68,16 @@ void Hdf5Call::fail(const char* name) const {
 /// flush at exit crashes on a file that could not be closed because of a full disk. It is not needed, because gigabake
 /// closes every file itself. A shard must contain all its data, so links to other files are not followed.
 void configure_hdf5(const Hdf5Call& call) {
+  thread_local bool is_configured = false;
+  if (is_configured) return;
   static const herr_t once [[maybe_unused]] = H5dont_atexit();  // a second call would leave an error on the error stack
   call("H5Eset_auto2", H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr));
-  call("H5PLset_loading_state", H5PLset_loading_state(0));
+  static const herr_t no_plugins [[maybe_unused]] = call("H5PLset_loading_state", H5PLset_loading_state(0));
   // Runs once per process, because a second H5Lunregister() would fail. A look-up before each call would race with
   // other threads.
   static const int external_links [[maybe_unused]] = call("H5Lunregister", H5Lunregister(H5L_TYPE_EXTERNAL));
   static const int lz4 [[maybe_unused]] = register_lz4(call);
+  is_configured = true;
 }
 
 }  // namespace gigabake

@@ -90,10 +90,16 @@ Hdf5File::Hdf5File(std::filesystem::path path, Hdf5Id file) : path_(std::move(pa
 
 namespace {
 
+/// Makes creation properties of objects without time stamps.
+hid_t untimed_properties(const Hdf5Call& call, hid_t of) {
+  const hid_t properties = call("H5Pcreate", H5Pcreate(of));
+  call("H5Pset_obj_track_times", H5Pset_obj_track_times(properties, false));
+  return properties;
+}
+
 Hdf5Id created(const Hdf5Call& call, const std::filesystem::path& path, hid_t access) {
-  const Hdf5Id properties = call.id("H5Pcreate", H5Pcreate(H5P_FILE_CREATE), H5Pclose);
-  call("H5Pset_obj_track_times", H5Pset_obj_track_times(properties.get(), false));
-  return call.id("H5Fcreate", H5Fcreate(path.c_str(), H5F_ACC_TRUNC, properties.get(), access), H5Fclose);
+  static const hid_t properties = untimed_properties(call, H5P_FILE_CREATE);
+  return call.id("H5Fcreate", H5Fcreate(path.c_str(), H5F_ACC_TRUNC, properties, access), H5Fclose);
 }
 
 }  // namespace
@@ -139,19 +145,18 @@ void Hdf5File::fail(const std::string& object, const std::string& message) const
 
 void Hdf5File::make_group(const std::string& name) {
   const Hdf5Call call{path_, name};
-  const Hdf5Id properties = call.id("H5Pcreate", H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
-  call("H5Pset_obj_track_times", H5Pset_obj_track_times(properties.get(), false));
-  const Hdf5Id group = call.id(
-      "H5Gcreate2", H5Gcreate2(file_.get(), name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Gclose);
+  static const hid_t properties = untimed_properties(call, H5P_GROUP_CREATE);
+  const Hdf5Id group =
+      call.id("H5Gcreate2", H5Gcreate2(file_.get(), name.c_str(), H5P_DEFAULT, properties, H5P_DEFAULT), H5Gclose);
 }
 
 void Hdf5File::write_raw_attribute(const char* name, std::int64_t type, const void* data, std::size_t count) {
   const Hdf5Call call{path_, name};
+  static const hid_t scalar = call("H5Screate", H5Screate(H5S_SCALAR)), row = call("H5Screate", H5Screate(H5S_SIMPLE));
   const hsize_t size = count;
-  const Hdf5Id space = count == 0 ? call.id("H5Screate", H5Screate(H5S_SCALAR), H5Sclose)
-                                  : call.id("H5Screate_simple", H5Screate_simple(1, &size, nullptr), H5Sclose);
-  const Hdf5Id attribute =
-      call.id("H5Acreate2", H5Acreate2(file_.get(), name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  if (count != 0) call("H5Sset_extent_simple", H5Sset_extent_simple(row, 1, &size, nullptr));
+  const Hdf5Id attribute = call.id(
+      "H5Acreate2", H5Acreate2(file_.get(), name, type, count == 0 ? scalar : row, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   call("H5Awrite", H5Awrite(attribute.get(), type, data));
 }
 
