@@ -60,6 +60,7 @@ struct Pager::State {
   void take(LoadedPage loaded_page);
   void list_unused_above(std::uint64_t limit);
   std::uint64_t bytes() const { return pages.bytes() + arrived_bytes; }
+  std::uint64_t nearly_full() const { return memory_bytes / 8 * 7; }
   std::uint64_t queued() const { return (queue.size() - next) + reading; }
 
   template <class Condition>
@@ -174,12 +175,14 @@ bool Pager::begin_pass() {
 
 const Page* Pager::find(const PageKey& key) const { return state_->pages.find(key); }
 
+bool Pager::is_resident(const PageKey& key) const { return state_->pages.has(key); }
+
 bool Pager::is_damaged(const PageKey& key) const { return state_->damaged.contains(key); }
 
 void Pager::request(const std::vector<PageKey>& by_urgency) {
   State& s = *state_;
   const std::scoped_lock lock(s.mutex);
-  s.list_unused_above(s.memory_bytes / 8 * 7);
+  s.list_unused_above(s.nearly_full());
   s.queue.clear();
   s.next = 0;
   s.first_of_call = true;
@@ -202,6 +205,12 @@ bool Pager::settle(std::chrono::milliseconds maximum) {
 bool Pager::has_loaded_pages() const {
   const std::scoped_lock lock(state_->mutex);
   return !state_->loaded_pages.empty();
+}
+
+bool Pager::is_nearly_full() const {
+  const State& s = *state_;
+  const std::scoped_lock lock(s.mutex);
+  return s.bytes() > s.nearly_full();
 }
 
 PagerCounts Pager::counts() const {

@@ -19,7 +19,7 @@ struct PagerCounts {
   std::uint64_t bytes_read = 0;  ///< sum over all pages read so far
 };
 
-/// All members but find() and is_damaged() must be called from one thread.
+/// All members but find(), is_resident() and is_damaged() must be called from one thread.
 class Pager {
  public:
   struct Options {
@@ -40,6 +40,9 @@ class Pager {
   /// next begin_pass(). Any number of threads may call find() without a lock, but not concurrently with begin_pass().
   const Page* find(const PageKey& key) const;
 
+  /// Returns whether the page is resident, without marking it as used. Threads may call is_resident() like find().
+  bool is_resident(const PageKey& key) const;
+
   /// Returns whether the page cannot be read; a damaged page is not read again. Threads may call is_damaged() like
   /// find().
   bool is_damaged(const PageKey& key) const;
@@ -57,6 +60,10 @@ class Pager {
   bool settle(std::chrono::milliseconds maximum);
   /// Returns whether begin_pass() would make a page resident or mark one as damaged.
   bool has_loaded_pages() const;
+
+  /// Returns whether pages take most of the memory. Pages that find() has not returned in this pass may then be evicted
+  /// before the next pass.
+  bool is_nearly_full() const;
 
   PagerCounts counts() const;
 

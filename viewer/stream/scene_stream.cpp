@@ -16,8 +16,11 @@ using kernels::RequestKind;
 /// The number of requests that are answered in parallel before the clock is checked and the pools are filled. It is
 /// large enough to outweigh the start of the threads, and small enough to take less than 2 ms.
 constexpr std::size_t requests_per_thread = 128, min_requests_per_batch = 256;
-/// The maximum number of requests examined per call, the most urgent first. The pager could not serve more requests.
+/// The maximum number of requests answered per call, the most urgent first.
 constexpr std::size_t max_requests = 8192;
+/// The number of waiting requests that are answered again in each call if pages may be evicted. Otherwise the pages
+/// that a request needs could evict each other, because only an answer marks them as used.
+constexpr std::size_t repeated_requests = 1024;
 constexpr std::uint32_t min_slots = 16;
 /// The assumed average number of parts of a surface brick: its voxels, including the border, and its layers. If the
 /// average is higher, the voxel pool is full before the slots are.
@@ -35,10 +38,22 @@ std::size_t requests_per_batch(const ThreadPool& policy) {
 std::uint32_t node_of(std::uint32_t request) { return request / 2; }
 RequestKind kind_of_request(std::uint32_t request) { return RequestKind(request % 2); }
 
+/// The rank of a request that needs no answer.
+constexpr std::uint64_t no_rank = ~std::uint64_t(0);
+
 /// Returns a sort key; the most urgent request has the smallest key. The bits of positive floats have the order of
 /// their values.
 std::uint64_t ranked_request(double urgency, std::uint32_t request) {
   return std::uint64_t(~std::bit_cast<std::uint32_t>(float(urgency))) << 32 | request;
+}
+
+std::uint32_t request_of(std::uint64_t rank) { return std::uint32_t(rank); }
+
+/// Removes all but the smallest `count` elements.
+void keep_min(std::vector<std::uint64_t>& ranks, std::size_t count) {
+  if (ranks.size() <= count) return;
+  std::nth_element(ranks.begin(), ranks.begin() + std::ptrdiff_t(count), ranks.end());
+  ranks.resize(count);
 }
 
 std::uint64_t host_memory() { return host_limits().memory_bytes; }
@@ -171,25 +186,32 @@ double SceneStream::urgency(std::uint32_t request, const Vec3d& eye) const {
   return edge * edge / squared;
 }
 
-/// Returns the requests of rays and the pending roots, most urgent first. Pending roots have a reduced urgency.
-std::vector<std::uint32_t> SceneStream::sort_by_urgency(const std::vector<std::uint32_t>& requested,
-                                                        const Vec3d& eye) const {
-  std::vector<std::uint64_t> ranked(requested.size() + pending_roots_.size());
-  policy_.parallel_for(ranked.size(), 2048, [&](std::size_t begin, std::size_t end, int) {
+/// Returns the ranks of the requests that may have an answer now, most urgent first: requests of rays, and pending
+/// roots with a reduced urgency. Tells waiting_ which requests still wait.
+std::vector<std::uint64_t> SceneStream::ranks_to_answer(const std::vector<std::uint32_t>& requested, const Vec3d& eye) {
+  waiting_.begin_pass(pager_);
+  const std::size_t count = requested.size() + pending_roots_.size();
+  const bool repeats = pager_.is_nearly_full();
+  std::vector<std::uint64_t> ranks(count, no_rank), waiting(repeats ? count : 0, no_rank);
+  policy_.parallel_for(count, 2048, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const bool is_seen = i < requested.size();
       const std::uint32_t request = is_seen ? requested[i] : pending_roots_[i - requested.size()];
-      ranked[i] = ranked_request(urgency(request, eye) * (is_seen ? 1 : unseen_root), request);
+      if (!is_open(request)) continue;
+      const std::uint64_t rank = ranked_request(urgency(request, eye) * (is_seen ? 1 : unseen_root), request);
+      if (!waiting_.waits(request, rank))
+        ranks[i] = rank;
+      else if (repeats)
+        waiting[i] = rank;
     }
   });
-  if (ranked.size() > max_requests) {
-    std::nth_element(ranked.begin(), ranked.begin() + max_requests, ranked.end());
-    ranked.resize(max_requests);
-  }
-  std::sort(ranked.begin(), ranked.end());
-  std::vector<std::uint32_t> sorted;
-  for (const std::uint64_t rank : ranked) sorted.push_back(std::uint32_t(rank));
-  return sorted;
+  std::erase(waiting, no_rank);
+  keep_min(waiting, repeated_requests);
+  std::erase(ranks, no_rank);
+  ranks.insert(ranks.end(), waiting.begin(), waiting.end());
+  keep_min(ranks, max_requests);
+  std::sort(ranks.begin(), ranks.end());
+  return ranks;
 }
 
 void SceneStream::remove_loaded_roots() {
@@ -228,26 +250,26 @@ bool SceneStream::enter(std::uint32_t request, const Answer& answer, kernels::Ca
 SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& requested, const Vec3d& eye,
                                        const kernels::StopAsked& enough, const Keep& keep) {
   Served served;
-  std::vector<PageKey> missing;
-  std::vector<std::uint32_t> open = requested;
-  std::erase_if(open, [&](std::uint32_t request) { return !is_open(request); });
-  const std::vector<std::uint32_t> requests = sort_by_urgency(open, eye);
+  const std::vector<std::uint64_t> ranks = ranks_to_answer(requested, eye);
   std::vector<Answer> answers;
   const std::size_t per_batch = requests_per_batch(policy_);
-  std::vector<kernels::CastBrick> bricks(std::min(requests.size(), per_batch));
+  std::vector<kernels::CastBrick> bricks(std::min(ranks.size(), per_batch));
   allocator_.begin_round(keep.used_since, !keep.all);
-  for (std::size_t from = 0; from < requests.size() && !served.is_full; from += per_batch) {
+  for (std::size_t from = 0; from < ranks.size() && !served.is_full; from += per_batch) {
     if (from != 0 && enough && enough()) break;
-    const std::size_t count = std::min(requests.size() - from, per_batch);
+    const std::size_t count = std::min(ranks.size() - from, per_batch);
     answers.assign(count, {});
     policy_.parallel_for(count, 8, [&](std::size_t begin, std::size_t end, int) {
-      for (std::size_t i = begin; i < end; ++i) answer(requests[from + i], answers[i], bricks[i]);
+      for (std::size_t i = begin; i < end; ++i) answer(request_of(ranks[from + i]), answers[i], bricks[i]);
     });
+    served.answers += count;
     for (std::size_t i = 0; i < count; ++i) {
-      missing.insert(missing.end(), answers[i].missing_pages.missing.begin(), answers[i].missing_pages.missing.end());
-      if (served.is_full || !answers[i].missing_pages.missing.empty()) continue;
-      if (!allocator_.is_settled(node_of(requests[from + i])) || is_fulfilled(requests[from + i])) continue;
-      if (enter(requests[from + i], answers[i], bricks[i]))
+      const std::uint32_t request = request_of(ranks[from + i]);
+      if (!answers[i].missing_pages.missing.empty())
+        waiting_.add(request, ranks[from + i], std::move(answers[i].missing_pages.missing));
+      else if (served.is_full || !allocator_.is_settled(node_of(request)) || is_fulfilled(request))
+        continue;
+      else if (enter(request, answers[i], bricks[i]))
         ++served.uploads;
       else
         served.is_full = true;
@@ -263,6 +285,7 @@ SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& request
   const auto changes = allocator_.take_changes();
   uploaded_bytes_ += sizeof(kernels::NodeChange) * changes.size();
   caster_->put_nodes(changes);
+  std::vector<PageKey> missing = waiting_.pages_by_urgency();
   served.misses_pages = !missing.empty();
   missing.insert(missing.end(), exchange_missing_.begin(), exchange_missing_.end());
   pager_.request(missing);
@@ -299,6 +322,7 @@ bool SceneStream::advance_exchange(const kernels::StopAsked& enough) {
   }
   uploads_ += exchange_->enter(*caster_);
   map_ = exchange_->take_map();
+  waiting_.clear();  // its pages belong to the previous map
   exchange_.reset();
   return true;
 }

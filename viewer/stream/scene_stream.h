@@ -20,6 +20,7 @@
 #include "viewer/stream/pool_allocator.h"
 #include "viewer/stream/shard_map.h"
 #include "viewer/stream/voxel_lookup.h"
+#include "viewer/stream/waiting_requests.h"
 
 namespace gigabake {
 
@@ -44,6 +45,7 @@ class SceneStream {
 
   /// Result of one call of serve().
   struct Served {
+    std::uint64_t answers = 0;  ///< requests that were examined, also if they miss pages
     std::uint64_t uploads = 0;
     bool misses_pages = false;  ///< requests wait for pages, which the pager reads now
     bool evicted_used = false;  ///< evicted entries that rays used since Keep::used_since
@@ -60,8 +62,8 @@ class SceneStream {
   const CellLayout& layout() const { return layout_; }
 
   /// Answers the requests of rays (Caster::requested()) whose pages are resident, until `enough` returns true, but at
-  /// least one batch. Skips requests that were answered since. Requests missing pages from the pager. Near and coarse
-  /// nodes come first; `eye` is in lod-0 voxels.
+  /// least one batch. Skips requests that were answered since, and requests whose pages are still missing. Requests all
+  /// missing pages from the pager. Near and coarse nodes come first; `eye` is in lod-0 voxels.
   Served serve(const std::vector<std::uint32_t>& requested, const Vec3d& eye, const kernels::StopAsked& enough,
                const Keep& keep);
 
@@ -122,7 +124,7 @@ class SceneStream {
 
   void answer(std::uint32_t request, Answer& out, kernels::CastBrick& brick) const;
   bool enter(std::uint32_t request, const Answer& answer, kernels::CastBrick& brick);
-  std::vector<std::uint32_t> sort_by_urgency(const std::vector<std::uint32_t>& requested, const Vec3d& eye) const;
+  std::vector<std::uint64_t> ranks_to_answer(const std::vector<std::uint32_t>& requested, const Vec3d& eye);
   bool is_fulfilled(std::uint32_t request) const;
   bool is_open(std::uint32_t request) const;
   double urgency(std::uint32_t request, const Vec3d& eye) const;
@@ -138,6 +140,7 @@ class SceneStream {
   Shading shading_;
   Pager pager_;
   VoxelLookup lookup_;
+  WaitingRequests waiting_;
   PoolAllocator allocator_;
   std::unique_ptr<kernels::Caster> caster_;
   bool requests_roots_ = false;

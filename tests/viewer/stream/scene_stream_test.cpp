@@ -1,6 +1,7 @@
 #include "viewer/stream/scene_stream.h"
 
 #include <functional>
+#include <future>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mutex>
@@ -68,6 +69,34 @@ TEST(SceneStream, ReadsEachPageOnceWhereMemoryIsEnoughAndMoreOftenWhereItIsNot) 
   options.memory_bytes = 300000;
   EXPECT_EQ(take_watched(scene, options, little).rgba, expected.rgba);
   EXPECT_GT(little.pages.size(), enough.pages.size());
+}
+
+TEST(SceneStream, AnswersRequestsAgainOnlyOnceTheirPagesAreResident) {
+  const VoxelScene scene = wide_ground();
+  const ThreadPool pool(1);
+  std::promise<void> release;
+  const PageSource held = [released = release.get_future().share(), inner = scene.pages()](const PageKey& key) {
+    released.wait();
+    return inner(key);
+  };
+  SceneStream stream(scene.paged(), held, {}, pool);
+  const PictureOptions options = view({64, 64, 400}, {64, 64, 0}, 64);
+  const kernels::CastCamera camera = make_camera(options.camera, scene.paged());
+  stream.caster().start(camera, {0, 0, 64, 64});
+  stream.caster().cast(0, 64 * 64, true, {});
+  const std::vector<std::uint32_t> requested = stream.caster().requested();
+  const auto serve = [&] { return stream.serve(requested, camera.eye, {}, {}); };
+  ASSERT_FALSE(requested.empty());
+  EXPECT_EQ(serve().answers, requested.size());
+  const std::uint64_t queued = stream.page_counts().queued;
+  const SceneStream::Served again = serve();
+  EXPECT_EQ(again.answers, 0u);
+  EXPECT_TRUE(again.misses_pages);
+  EXPECT_EQ(stream.page_counts().queued, queued);
+  release.set_value();
+  ASSERT_TRUE(stream.settle(std::chrono::seconds(30)));
+  stream.begin_pass();
+  EXPECT_EQ(serve().answers, requested.size());
 }
 
 TEST(SceneStream, RefusesLessMemoryThanTheRootsTake) {
