@@ -307,6 +307,7 @@ struct FrameRenderer::State {
     upload_s = waited_s = 0;
     if (roots_first) wait_for_roots(camera, limits);
     put_in_wanted(camera, limits);
+    if (!stream->casts_on_host()) stream->prepare(requested, camera.eye);
     cast(view, camera, limits, frame.picture);
     frame.stats.upload_s = waited_s + upload_s;
     frame.stats.total_s = since(start);

@@ -13,48 +13,15 @@ namespace {
 
 using kernels::RequestKind;
 
-/// The number of requests that are answered in parallel before the clock is checked and the pools are filled. It is
-/// large enough to outweigh the start of the threads, and small enough to take less than 2 ms.
-constexpr std::size_t requests_per_thread = 128, min_requests_per_batch = 256;
-/// The maximum number of requests answered per call, the most urgent first.
-constexpr std::size_t max_requests = 8192;
-/// The number of waiting requests that are answered again in each call if pages may be evicted. Otherwise the pages
-/// that a request needs could evict each other, because only an answer marks them as used.
-constexpr std::size_t repeated_requests = 1024;
+/// The maximum number of answers that prepare() keeps. A GPU casts a frame in less time than they take.
+constexpr std::size_t max_prepared = 16384;
 constexpr std::uint32_t min_slots = 16;
 /// The assumed average number of parts of a surface brick: its voxels, including the border, and its layers. If the
 /// average is higher, the voxel pool is full before the slots are.
 constexpr std::uint32_t parts_per_slot = 90;
-/// The factor on the urgency of a root whose cell no ray has hit yet.
-constexpr double unseen_root = 1.0 / 64;
 constexpr int cpu_tile_edge = 128, device_tile_edge = 1024;
 static_assert(cpu_tile_edge % kernels::light_region == 0 && device_tile_edge % kernels::light_region == 0,
               "pixels share shadow samples within regions: tiles must not cut these");
-
-std::size_t requests_per_batch(const ThreadPool& policy) {
-  return std::max(min_requests_per_batch, requests_per_thread * std::size_t(policy.threads()));
-}
-
-std::uint32_t node_of(std::uint32_t request) { return request / 2; }
-RequestKind kind_of_request(std::uint32_t request) { return RequestKind(request % 2); }
-
-/// The rank of a request that needs no answer.
-constexpr std::uint64_t no_rank = ~std::uint64_t(0);
-
-/// Returns a sort key; the most urgent request has the smallest key. The bits of positive floats have the order of
-/// their values.
-std::uint64_t ranked_request(double urgency, std::uint32_t request) {
-  return std::uint64_t(~std::bit_cast<std::uint32_t>(float(urgency))) << 32 | request;
-}
-
-std::uint32_t request_of(std::uint64_t rank) { return std::uint32_t(rank); }
-
-/// Removes all but the smallest `count` elements.
-void keep_min(std::vector<std::uint64_t>& ranks, std::size_t count) {
-  if (ranks.size() <= count) return;
-  std::nth_element(ranks.begin(), ranks.begin() + std::ptrdiff_t(count), ranks.end());
-  ranks.resize(count);
-}
 
 std::uint64_t host_memory() { return host_limits().memory_bytes; }
 
@@ -102,12 +69,6 @@ std::unique_ptr<kernels::Caster> make_caster(const CellLayout& layout, const ker
 
 }  // namespace
 
-struct SceneStream::Answer {
-  MissingPages missing_pages;
-  ChildMasks children;
-  bool is_empty = false;
-};
-
 SceneStream::Opened SceneStream::open(const PagedScene& scene, const Options& options, const ThreadPool& policy,
                                       const ShardNumbers* numbers) {
   std::optional<OverviewLevels> levels;
@@ -141,17 +102,18 @@ SceneStream::SceneStream(const PagedScene& scene, Opened opened, PageSource sour
       shading_(options.light, scene.header(), options.surface),
       pager_(std::move(source), {options.page_threads, page_bytes_}),
       lookup_(map_, pager_),
-      allocator_(layout_.cells.size(), layout_.scene.lods, pool_sizes(layout_, bytes_for_pools(options))) {
+      allocator_(layout_.cells.size(), layout_.scene.lods, pool_sizes(layout_, bytes_for_pools(options))),
+      answers_(layout_, shading_, allocator_, pager_, lookup_, policy) {
   layout_.scene.light = options.light;
   layout_.scene.is_lit =
       options.surface == Surface::colour && scene.header().has_normals && depends_on_normal(options.light);
   const kernels::PoolSizes sizes = pool_sizes(layout_, bytes_for_pools(options));
   pool_bytes_ = sizes.bytes();
   caster_ = make_caster(layout_, sizes, options, policy);
-  new_bricks_.reserve(requests_per_batch(policy));
 }
 
 void SceneStream::request_roots() {
+  finish_preparing();
   if (requests_roots_ || !allocator_.roots_stay()) return;
   requests_roots_ = true;
   for (std::uint32_t root = 0; root < layout_.cells.size(); ++root)
@@ -159,136 +121,104 @@ void SceneStream::request_roots() {
   remove_loaded_roots();
 }
 
-/// Returns whether the request has been answered.
-bool SceneStream::is_fulfilled(std::uint32_t request) const {
-  const kernels::CastNode& node = allocator_.node(node_of(request));
-  return (kind_of_request(request) == RequestKind::brick ? node.brick : node.children) != kernels::not_resident_ref;
-}
-
-/// Returns whether the request is still to be answered. A request is obsolete once its node was evicted.
-bool SceneStream::is_open(std::uint32_t request) const {
-  return allocator_.is_in_use(node_of(request)) && !is_fulfilled(request);
-}
-
 std::size_t SceneStream::open_requests(const std::vector<std::uint32_t>& requests) const {
-  return std::size_t(std::ranges::count_if(requests, [&](std::uint32_t request) { return is_open(request); }));
-}
-
-/// Returns the squared apparent size of the node: near and coarse nodes cover the most pixels.
-double SceneStream::urgency(std::uint32_t request, const Vec3d& eye) const {
-  const kernels::VoxelBox box = box_of(allocator_.place_of(node_of(request)), layout_);
-  double squared = 1;
-  for (int a = 0; a < 3; ++a) {
-    const double to_middle = (double(box.min[a]) + double(box.max[a])) / 2 - eye[a];
-    squared += to_middle * to_middle;
-  }
-  const double edge = double(box.max[0] - box.min[0]);
-  return edge * edge / squared;
-}
-
-/// Returns the ranks of the requests that may have an answer now, most urgent first: requests of rays, and pending
-/// roots with a reduced urgency. Tells waiting_ which requests still wait.
-std::vector<std::uint64_t> SceneStream::ranks_to_answer(const std::vector<std::uint32_t>& requested, const Vec3d& eye) {
-  waiting_.begin_pass(pager_);
-  const std::size_t count = requested.size() + pending_roots_.size();
-  const bool repeats = pager_.is_nearly_full();
-  std::vector<std::uint64_t> ranks(count, no_rank), waiting(repeats ? count : 0, no_rank);
-  policy_.parallel_for(count, 2048, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const bool is_seen = i < requested.size();
-      const std::uint32_t request = is_seen ? requested[i] : pending_roots_[i - requested.size()];
-      if (!is_open(request)) continue;
-      const std::uint64_t rank = ranked_request(urgency(request, eye) * (is_seen ? 1 : unseen_root), request);
-      if (!waiting_.waits(request, rank))
-        ranks[i] = rank;
-      else if (repeats)
-        waiting[i] = rank;
-    }
-  });
-  std::erase(waiting, no_rank);
-  keep_min(waiting, repeated_requests);
-  std::erase(ranks, no_rank);
-  ranks.insert(ranks.end(), waiting.begin(), waiting.end());
-  keep_min(ranks, max_requests);
-  std::sort(ranks.begin(), ranks.end());
-  return ranks;
+  return std::size_t(std::ranges::count_if(requests, [&](std::uint32_t request) { return answers_.is_open(request); }));
 }
 
 void SceneStream::remove_loaded_roots() {
-  std::erase_if(pending_roots_, [&](std::uint32_t request) { return is_fulfilled(request); });
+  std::erase_if(pending_roots_, [&](std::uint32_t request) { return answers_.is_fulfilled(request); });
 }
 
-void SceneStream::answer(std::uint32_t request, Answer& out, kernels::CastBrick& brick) const {
-  const FieldNode node = allocator_.place_of(node_of(request));
-  out.missing_pages.own = box_of(node, layout_);
-  if (kind_of_request(request) == RequestKind::children)
-    out.children = children_of(node, layout_, lookup_, out.missing_pages);
-  else
-    out.is_empty = !fill_brick(node, layout_, lookup_, shading_, out.missing_pages, brick);
-  // If an overview is unreadable, an empty brick does not prove that finer levels are empty.
-  out.missing_pages.damaged |= out.is_empty && out.missing_pages.is_overview_damaged;
+void SceneStream::begin_pass() {
+  finish_preparing();
+  pager_.begin_pass();
+}
+
+void SceneStream::prepare(const std::vector<std::uint32_t>& requested, const Vec3d& eye) {
+  finish_preparing();
+  if (requested.empty() && pending_roots_.empty()) return;
+  stops_preparing_ = false;
+  preparing_ = std::async(std::launch::async, [this, requested, eye] {
+    pager_.begin_pass();
+    answers_.begin_pass(requested, pending_roots_, eye);
+    while (answers_.has_next() && prepared_.size() < max_prepared) {
+      std::ranges::move(answers_.next_batch(), std::back_inserter(prepared_));
+      if (stops_preparing_) break;
+    }
+    request_missing_pages();
+  });
+}
+
+void SceneStream::finish_preparing() {
+  if (!preparing_.valid()) return;
+  stops_preparing_ = true;
+  preparing_.get();
+}
+
+/// Requests the pages that answers lack. Returns whether there are any.
+bool SceneStream::request_missing_pages() {
+  std::vector<PageKey> missing = answers_.missing_pages();
+  const bool is_any = !missing.empty();
+  missing.insert(missing.end(), exchange_missing_.begin(), exchange_missing_.end());
+  pager_.request(missing);
+  return is_any;
 }
 
 /// Enters the answer into the pools; returns false if the pool is full.
-bool SceneStream::enter(std::uint32_t request, const Answer& answer, kernels::CastBrick& brick) {
-  const std::uint32_t node = node_of(request);
-  if (answer.missing_pages.damaged) {
-    allocator_.set_lost(node, kind_of_request(request));
-  } else if (kind_of_request(request) == RequestKind::children) {
+bool SceneStream::enter(RequestAnswer& answer) {
+  const auto [node, kind] = NodeRequest(answer.request);
+  if (answer.is_damaged) {
+    allocator_.set_lost(node, kind);
+  } else if (kind == RequestKind::children) {
     if (!allocator_.put_children(node, answer.children, *caster_)) return false;
   } else if (answer.is_empty) {
     allocator_.set_empty(node);
   } else {
-    const std::optional<std::uint32_t> slot = allocator_.put_brick(node, std::uint32_t(brick.parts.size()), *caster_);
+    const std::optional<std::uint32_t> slot =
+        allocator_.put_brick(node, std::uint32_t(answer.brick.parts.size()), *caster_);
     if (!slot) return false;
     new_slots_.push_back(*slot);
-    new_bricks_.push_back(std::move(brick));
+    new_bricks_.push_back(std::move(answer.brick));
   }
   return true;
 }
 
+/// Enters answers into the pools until these are full, and copies the new bricks to the caster.
+void SceneStream::enter_all(std::span<RequestAnswer> answers, Served& served) {
+  served.answers += answers.size();
+  for (RequestAnswer& answer : answers) {
+    if (served.is_full || answer.misses_pages || !allocator_.is_settled(NodeRequest(answer.request).node)) continue;
+    if (answers_.is_fulfilled(answer.request)) continue;
+    if (enter(answer))
+      ++served.uploads;
+    else
+      served.is_full = true;
+  }
+  std::vector<kernels::BrickPlace> places;
+  for (const std::uint32_t slot : new_slots_) places.push_back(allocator_.brick_place(slot));
+  for (const kernels::CastBrick& brick : new_bricks_)
+    uploaded_bytes_ += sizeof(brick.head) + sizeof(kernels::PackedVoxel) * brick.parts.size();
+  caster_->put_bricks(places, new_bricks_);
+  new_slots_.clear();
+  new_bricks_.clear();
+}
+
 SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& requested, const Vec3d& eye,
                                        const kernels::StopAsked& enough, const Keep& keep) {
+  finish_preparing();
   Served served;
-  const std::vector<std::uint64_t> ranks = ranks_to_answer(requested, eye);
-  std::vector<Answer> answers;
-  const std::size_t per_batch = requests_per_batch(policy_);
-  std::vector<kernels::CastBrick> bricks(std::min(ranks.size(), per_batch));
   allocator_.begin_round(keep.used_since, !keep.all);
-  for (std::size_t from = 0; from < ranks.size() && !served.is_full; from += per_batch) {
-    if (from != 0 && enough && enough()) break;
-    const std::size_t count = std::min(ranks.size() - from, per_batch);
-    answers.assign(count, {});
-    policy_.parallel_for(count, 8, [&](std::size_t begin, std::size_t end, int) {
-      for (std::size_t i = begin; i < end; ++i) answer(request_of(ranks[from + i]), answers[i], bricks[i]);
-    });
-    served.answers += count;
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::uint32_t request = request_of(ranks[from + i]);
-      if (!answers[i].missing_pages.missing.empty())
-        waiting_.add(request, ranks[from + i], std::move(answers[i].missing_pages.missing));
-      else if (served.is_full || !allocator_.is_settled(node_of(request)) || is_fulfilled(request))
-        continue;
-      else if (enter(request, answers[i], bricks[i]))
-        ++served.uploads;
-      else
-        served.is_full = true;
-    }
-    std::vector<kernels::BrickPlace> places;
-    for (const std::uint32_t slot : new_slots_) places.push_back(allocator_.brick_place(slot));
-    for (const kernels::CastBrick& brick : new_bricks_)
-      uploaded_bytes_ += sizeof(brick.head) + sizeof(kernels::PackedVoxel) * brick.parts.size();
-    caster_->put_bricks(places, new_bricks_);
-    new_slots_.clear();
-    new_bricks_.clear();
+  enter_all(prepared_, served);
+  prepared_.clear();
+  answers_.begin_pass(requested, pending_roots_, eye);
+  for (bool is_first = true; answers_.has_next() && !served.is_full; is_first = false) {
+    if (!is_first && enough && enough()) break;
+    enter_all(answers_.next_batch(), served);
   }
   const auto changes = allocator_.take_changes();
   uploaded_bytes_ += sizeof(kernels::NodeChange) * changes.size();
   caster_->put_nodes(changes);
-  std::vector<PageKey> missing = waiting_.pages_by_urgency();
-  served.misses_pages = !missing.empty();
-  missing.insert(missing.end(), exchange_missing_.begin(), exchange_missing_.end());
-  pager_.request(missing);
+  served.misses_pages = request_missing_pages();
   remove_loaded_roots();
   served.evicted_used = allocator_.evicted_used();
   uploads_ += served.uploads;
@@ -307,6 +237,7 @@ bool SceneStream::has_layout_of(const PagedScene& next) const {
 }
 
 void SceneStream::begin_exchange(const PagedScene& next, const ShardNumbers& numbers, std::vector<Box3i64> changed) {
+  finish_preparing();
   Options options;
   options.cells_alone = cells_alone_;
   exchange_missing_.clear();
@@ -314,7 +245,7 @@ void SceneStream::begin_exchange(const PagedScene& next, const ShardNumbers& num
 }
 
 bool SceneStream::advance_exchange(const kernels::StopAsked& enough) {
-  pager_.begin_pass();
+  begin_pass();
   exchange_missing_.clear();
   if (!exchange_->prepare(pager_, shading_, policy_, enough, exchange_missing_)) {
     pager_.request(exchange_missing_);
@@ -322,7 +253,8 @@ bool SceneStream::advance_exchange(const kernels::StopAsked& enough) {
   }
   uploads_ += exchange_->enter(*caster_);
   map_ = exchange_->take_map();
-  waiting_.clear();  // its pages belong to the previous map
+  answers_.forget_pages();  // they belong to the previous map
+  prepared_.clear();
   exchange_.reset();
   return true;
 }

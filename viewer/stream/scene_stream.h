@@ -4,10 +4,13 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,9 +21,9 @@
 #include "viewer/stream/exchange/scene_exchange.h"
 #include "viewer/stream/pager.h"
 #include "viewer/stream/pool_allocator.h"
+#include "viewer/stream/requests/request_answers.h"
 #include "viewer/stream/shard_map.h"
 #include "viewer/stream/voxel_lookup.h"
-#include "viewer/stream/waiting_requests.h"
 
 namespace gigabake {
 
@@ -67,11 +70,15 @@ class SceneStream {
   Served serve(const std::vector<std::uint32_t>& requested, const Vec3d& eye, const kernels::StopAsked& enough,
                const Keep& keep);
 
+  /// Begins to answer requests on other threads, at least one batch. The next serve() ends this and enters the answers.
+  /// Meant for the time in which a GPU casts rays.
+  void prepare(const std::vector<std::uint32_t>& requested, const Vec3d& eye);
+
   /// Returns how many of the requests were not answered yet.
   std::size_t open_requests(const std::vector<std::uint32_t>& requests) const;
 
   /// Makes pages resident that were read since the last call.
-  void begin_pass() { pager_.begin_pass(); }
+  void begin_pass();
   /// Waits until something was read, or nothing is being read. Returns false on timeout.
   bool wait(std::chrono::milliseconds maximum) { return pager_.wait(maximum); }
   /// Waits until nothing is being read. Returns false on timeout.
@@ -112,7 +119,6 @@ class SceneStream {
   std::vector<std::string> problems() const { return pager_.problems(); }
 
  private:
-  struct Answer;
   struct Opened {
     CellLayout layout;
     ShardMap map;
@@ -122,12 +128,10 @@ class SceneStream {
   SceneStream(const PagedScene& scene, Opened opened, PageSource source, const Options& options,
               const ThreadPool& policy);
 
-  void answer(std::uint32_t request, Answer& out, kernels::CastBrick& brick) const;
-  bool enter(std::uint32_t request, const Answer& answer, kernels::CastBrick& brick);
-  std::vector<std::uint64_t> ranks_to_answer(const std::vector<std::uint32_t>& requested, const Vec3d& eye);
-  bool is_fulfilled(std::uint32_t request) const;
-  bool is_open(std::uint32_t request) const;
-  double urgency(std::uint32_t request, const Vec3d& eye) const;
+  void finish_preparing();
+  bool request_missing_pages();
+  bool enter(RequestAnswer& answer);
+  void enter_all(std::span<RequestAnswer> answers, Served& served);
   void remove_loaded_roots();
 
   const ThreadPool& policy_;
@@ -140,8 +144,8 @@ class SceneStream {
   Shading shading_;
   Pager pager_;
   VoxelLookup lookup_;
-  WaitingRequests waiting_;
   PoolAllocator allocator_;
+  RequestAnswers answers_;
   std::unique_ptr<kernels::Caster> caster_;
   bool requests_roots_ = false;
   std::vector<std::uint32_t> pending_roots_;  ///< requests of root bricks
@@ -150,6 +154,10 @@ class SceneStream {
   std::uint64_t uploads_ = 0, uploaded_bytes_ = 0;
   std::optional<SceneExchange> exchange_;
   std::vector<PageKey> exchange_missing_;  ///< pages for which the exchange waits
+  std::vector<RequestAnswer> prepared_;    ///< answers that the next serve() enters
+  std::atomic<bool> stops_preparing_{false};
+  /// The answers in progress: other members must not be changed until they end. Destroyed first, which waits for them.
+  std::future<void> preparing_;
 };
 
 }  // namespace gigabake

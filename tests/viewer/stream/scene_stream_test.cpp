@@ -99,6 +99,31 @@ TEST(SceneStream, AnswersRequestsAgainOnlyOnceTheirPagesAreResident) {
   EXPECT_EQ(serve().answers, requested.size());
 }
 
+TEST(SceneStream, EntersPreparedAnswersIntoThePools) {
+  const VoxelScene scene = wide_ground();
+  const ThreadPool pool(2);
+  const PictureOptions options = view({64, 64, 60}, {64, 64, 0}, 64);
+  const kernels::CastCamera camera = make_camera(options.camera, scene.paged());
+  SceneStream stream(scene.paged(), scene.pages(), {}, pool);
+  kernels::Caster& caster = stream.caster();
+  caster.start(camera, {0, 0, 64, 64});
+  std::uint64_t uploads = 0;
+  for (int pass = 0; caster.cast(0, 64 * 64, true, {}) > 0; ++pass) {
+    ASSERT_LT(pass, 1000);
+    const std::vector<std::uint32_t> requested = caster.requested();
+    stream.prepare(requested, camera.eye);
+    ASSERT_TRUE(stream.settle(std::chrono::seconds(30)));
+    stream.prepare(requested, camera.eye);
+    if (pass % 2 == 0) stream.begin_pass();
+    uploads += stream.serve({}, camera.eye, {}, {caster.pass(), true}).uploads;
+  }
+  EXPECT_GT(uploads, 0u);
+  EXPECT_EQ(uploads, stream.uploads());
+  Picture picture = blank_picture(64, 64, PictureLight::srgb);
+  caster.resolve(to_cast(options.background), pixels_of(picture));
+  EXPECT_EQ(picture.rgba, take(scene, options).rgba);
+}
+
 TEST(SceneStream, RefusesLessMemoryThanTheRootsTake) {
   const VoxelScene scene = wide_ground();
   PictureOptions options = view({-20, -20, 80}, {64, 64, 0}, 8);

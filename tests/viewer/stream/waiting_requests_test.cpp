@@ -1,4 +1,4 @@
-#include "viewer/stream/waiting_requests.h"
+#include "viewer/stream/requests/waiting_requests.h"
 
 #include <chrono>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "viewer/stream/waiting_requests.h"
+#include "viewer/stream/requests/waiting_requests.h"
 
 #include <algorithm>
 #include <atomic>
@@ -9,7 +9,7 @@ namespace {
 
 /// The maximum number of entries before all requests are released, because released groups and obsolete requests keep
 /// their entries.
-constexpr std::size_t max_groups = std::size_t(1) << 16, max_requests = std::size_t(1) << 20;
+constexpr std::size_t max_groups = std::size_t(1) << 16, max_waiting = std::size_t(1) << 20;
 
 bool is_loaded(const Pager& pager, const std::vector<PageKey>& pages) {
   return std::ranges::all_of(pages,
@@ -25,7 +25,7 @@ void WaitingRequests::clear() {
 }
 
 void WaitingRequests::begin_pass(const Pager& pager) {
-  if (groups_.size() > max_groups || group_of_request_.size() > max_requests) clear();
+  if (groups_.size() > max_groups || group_of_request_.size() > max_waiting) clear();
   for (auto at = group_of_pages_.begin(); at != group_of_pages_.end();) {
     Group& group = groups_[at->second];
     group.rank = no_rank;

@@ -1,0 +1,126 @@
+#include "viewer/stream/requests/request_answers.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+namespace gigabake {
+namespace {
+
+using kernels::RequestKind;
+
+/// The number of requests that are answered in parallel before the clock is checked and the pools are filled. It is
+/// large enough to outweigh the start of the threads, and small enough to take less than 2 ms.
+constexpr std::size_t requests_per_thread = 128, min_requests_per_batch = 256;
+/// The maximum number of requests answered per pass, the most urgent first.
+constexpr std::size_t max_requests = 16384;
+/// The number of waiting requests that are answered again in each pass if pages may be evicted. Otherwise the pages
+/// that a request needs could evict each other, because only an answer marks them as used.
+constexpr std::size_t repeated_requests = 1024;
+/// The factor on the urgency of a root whose cell no ray has hit yet.
+constexpr double unseen_root = 1.0 / 64;
+
+/// The rank of a request that needs no answer.
+constexpr std::uint64_t no_rank = ~std::uint64_t(0);
+
+/// Returns a sort key; the most urgent request has the smallest key. The bits of positive floats have the order of
+/// their values.
+std::uint64_t ranked_request(double urgency, std::uint32_t request) {
+  return std::uint64_t(~std::bit_cast<std::uint32_t>(float(urgency))) << 32 | request;
+}
+
+/// Removes all but the smallest `count` elements.
+void keep_min(std::vector<std::uint64_t>& ranks, std::size_t count) {
+  if (ranks.size() <= count) return;
+  std::nth_element(ranks.begin(), ranks.begin() + std::ptrdiff_t(count), ranks.end());
+  ranks.resize(count);
+}
+
+}  // namespace
+
+RequestAnswers::RequestAnswers(const CellLayout& layout, const Shading& shading, const PoolAllocator& allocator,
+                               const Pager& pager, const VoxelLookup& lookup, const ThreadPool& policy)
+    : layout_(layout), shading_(shading), allocator_(allocator), pager_(pager), lookup_(lookup), policy_(policy) {}
+
+bool RequestAnswers::is_fulfilled(std::uint32_t request) const {
+  const NodeRequest wanted(request);
+  const kernels::CastNode& node = allocator_.node(wanted.node);
+  return (wanted.kind == RequestKind::brick ? node.brick : node.children) != kernels::not_resident_ref;
+}
+
+bool RequestAnswers::is_open(std::uint32_t request) const {
+  return allocator_.is_in_use(NodeRequest(request).node) && !is_fulfilled(request);
+}
+
+/// Returns the squared apparent size of the node: near and coarse nodes cover the most pixels.
+double RequestAnswers::urgency(std::uint32_t request, const Vec3d& eye) const {
+  const kernels::VoxelBox box = box_of(allocator_.place_of(NodeRequest(request).node), layout_);
+  double squared = 1;
+  for (int a = 0; a < 3; ++a) {
+    const double to_middle = (double(box.min[a]) + double(box.max[a])) / 2 - eye[a];
+    squared += to_middle * to_middle;
+  }
+  const double edge = double(box.max[0] - box.min[0]);
+  return edge * edge / squared;
+}
+
+void RequestAnswers::begin_pass(std::span<const std::uint32_t> requested, std::span<const std::uint32_t> roots,
+                                const Vec3d& eye) {
+  waiting_.begin_pass(pager_);
+  const std::size_t count = requested.size() + roots.size();
+  const bool repeats = pager_.is_nearly_full();
+  std::vector<std::uint64_t> waiting(repeats ? count : 0, no_rank);
+  ranks_.assign(count, no_rank);
+  next_ = 0;
+  policy_.parallel_for(count, 2048, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const bool is_seen = i < requested.size();
+      const std::uint32_t request = is_seen ? requested[i] : roots[i - requested.size()];
+      if (!is_open(request)) continue;
+      const std::uint64_t rank = ranked_request(urgency(request, eye) * (is_seen ? 1 : unseen_root), request);
+      if (!waiting_.waits(request, rank))
+        ranks_[i] = rank;
+      else if (repeats)
+        waiting[i] = rank;
+    }
+  });
+  std::erase(waiting, no_rank);
+  keep_min(waiting, repeated_requests);
+  std::erase(ranks_, no_rank);
+  ranks_.insert(ranks_.end(), waiting.begin(), waiting.end());
+  keep_min(ranks_, max_requests);
+  std::sort(ranks_.begin(), ranks_.end());
+}
+
+void RequestAnswers::answer(RequestAnswer& answer, MissingPages& missing_pages) const {
+  const NodeRequest wanted(answer.request);
+  const FieldNode node = allocator_.place_of(wanted.node);
+  missing_pages.own = box_of(node, layout_);
+  if (wanted.kind == RequestKind::children)
+    answer.children = children_of(node, layout_, lookup_, missing_pages);
+  else
+    answer.is_empty = !fill_brick(node, layout_, lookup_, shading_, missing_pages, answer.brick);
+  // If an overview is unreadable, an empty brick does not prove that finer levels are empty.
+  answer.is_damaged = missing_pages.damaged || (answer.is_empty && missing_pages.is_overview_damaged);
+  answer.misses_pages = !missing_pages.missing.empty();
+}
+
+std::span<RequestAnswer> RequestAnswers::next_batch() {
+  const std::size_t per_batch = std::max(min_requests_per_batch, requests_per_thread * std::size_t(policy_.threads()));
+  const std::size_t count = std::min(ranks_.size() - next_, per_batch);
+  batch_.assign(count, {});
+  missing_pages_.assign(count, {});
+  policy_.parallel_for(count, 8, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      batch_[i].request = std::uint32_t(ranks_[next_ + i]);
+      answer(batch_[i], missing_pages_[i]);
+    }
+  });
+  for (std::size_t i = 0; i < count; ++i)
+    if (batch_[i].misses_pages)
+      waiting_.add(batch_[i].request, ranks_[next_ + i], std::move(missing_pages_[i].missing));
+  next_ += count;
+  return batch_;
+}
+
+}  // namespace gigabake

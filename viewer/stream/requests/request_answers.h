@@ -1,0 +1,79 @@
+/// Answers to the requests of rays: the children or the brick of a node, built from resident pages.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernels/render/caster.h"
+#include "viewer/light/shading.h"
+#include "viewer/stream/brick_fill.h"
+#include "viewer/stream/pool_allocator.h"
+#include "viewer/stream/requests/waiting_requests.h"
+#include "viewer/stream/voxel_lookup.h"
+
+namespace gigabake {
+
+/// A request of rays (Caster::requested()).
+struct NodeRequest {
+  std::uint32_t node = 0;
+  kernels::RequestKind kind{};
+
+  explicit NodeRequest(std::uint32_t request) : node(request / 2), kind(kernels::RequestKind(request % 2)) {}
+};
+
+/// The answer to one request. It is independent of pages, which may be evicted afterwards.
+struct RequestAnswer {
+  std::uint32_t request = 0;
+  bool misses_pages = false;  ///< the request waits; the other members are not set
+  bool is_damaged = false;    ///< pages that the answer needs cannot be read
+  ChildMasks children;        ///< of a request of children
+  bool is_empty = false;      ///< of a request of a brick: there are no voxels
+  kernels::CastBrick brick;   ///< of a request of a brick that is not empty
+};
+
+/// Requests in the order of their urgency, answered in batches on all threads. Requests whose pages are not resident
+/// wait (waiting_requests.h).
+class RequestAnswers {
+ public:
+  /// Borrows all arguments.
+  RequestAnswers(const CellLayout& layout, const Shading& shading, const PoolAllocator& allocator, const Pager& pager,
+                 const VoxelLookup& lookup, const ThreadPool& policy);
+
+  /// Returns whether the request was answered before.
+  bool is_fulfilled(std::uint32_t request) const;
+  /// Returns whether the request is still to be answered. A request is obsolete once its node was evicted.
+  bool is_open(std::uint32_t request) const;
+
+  /// Begins a pass with new requests. Near and coarse nodes are the most urgent; `eye` is in lod-0 voxels. The urgency
+  /// of `roots` is reduced, because no ray has reached them. Ignores requests that were answered, and requests whose
+  /// pages are still missing.
+  void begin_pass(std::span<const std::uint32_t> requested, std::span<const std::uint32_t> roots, const Vec3d& eye);
+  /// Returns whether next_batch() has requests to answer. A pass answers at most some thousand requests.
+  bool has_next() const { return next_ < ranks_.size(); }
+  /// Answers the next requests. The result is valid until the next call, and the caller may move from it.
+  std::span<RequestAnswer> next_batch();
+
+  /// Returns the pages that requests of this pass lack, most urgent first. A page may occur several times.
+  std::vector<PageKey> missing_pages() const { return waiting_.pages_by_urgency(); }
+  /// Forgets which pages requests lack, after the pages of the scene have changed.
+  void forget_pages() { waiting_.clear(); }
+
+ private:
+  double urgency(std::uint32_t request, const Vec3d& eye) const;
+  void answer(RequestAnswer& answer, MissingPages& missing_pages) const;
+
+  const CellLayout& layout_;
+  const Shading& shading_;
+  const PoolAllocator& allocator_;
+  const Pager& pager_;
+  const VoxelLookup& lookup_;
+  const ThreadPool& policy_;
+  WaitingRequests waiting_;
+  std::vector<std::uint64_t> ranks_;  ///< ascending: most urgent first
+  std::size_t next_ = 0;              ///< of ranks_
+  std::vector<RequestAnswer> batch_;
+  std::vector<MissingPages> missing_pages_;  ///< of batch_
+};
+
+}  // namespace gigabake
