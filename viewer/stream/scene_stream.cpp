@@ -14,7 +14,7 @@ namespace {
 using kernels::RequestKind;
 
 /// The maximum number of answers that prepare() keeps. A GPU casts a frame in less time than they take.
-constexpr std::size_t max_prepared = 16384;
+constexpr std::size_t max_prepared = 32768;
 constexpr std::uint32_t min_slots = 16;
 /// The assumed average number of parts of a surface brick: its voxels, including the border, and its layers. If the
 /// average is higher, the voxel pool is full before the slots are.
@@ -140,7 +140,7 @@ void SceneStream::prepare(const std::vector<std::uint32_t>& requested, const Vec
   stops_preparing_ = false;
   preparing_ = std::async(std::launch::async, [this, requested, eye] {
     pager_.begin_pass();
-    answers_.begin_pass(requested, pending_roots_, eye);
+    if (!answers_.has_next()) answers_.begin_pass(requested, pending_roots_, eye);
     while (answers_.has_next() && prepared_.size() < max_prepared) {
       std::ranges::move(answers_.next_batch(), std::back_inserter(prepared_));
       if (stops_preparing_) break;

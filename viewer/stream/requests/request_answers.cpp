@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 #include <utility>
 
 namespace gigabake {
@@ -13,7 +14,7 @@ using kernels::RequestKind;
 /// large enough to outweigh the start of the threads, and small enough to take less than 2 ms.
 constexpr std::size_t requests_per_thread = 128, min_requests_per_batch = 256;
 /// The maximum number of requests answered per pass, the most urgent first.
-constexpr std::size_t max_requests = 16384;
+constexpr std::size_t max_requests = 32768;
 /// The number of waiting requests that are answered again in each pass if pages may be evicted. Otherwise the pages
 /// that a request needs could evict each other, because only an answer marks them as used.
 constexpr std::size_t repeated_requests = 1024;
@@ -29,11 +30,18 @@ std::uint64_t ranked_request(double urgency, std::uint32_t request) {
   return std::uint64_t(~std::bit_cast<std::uint32_t>(float(urgency))) << 32 | request;
 }
 
-/// Removes all but the smallest `count` elements.
-void keep_min(std::vector<std::uint64_t>& ranks, std::size_t count) {
-  if (ranks.size() <= count) return;
-  std::nth_element(ranks.begin(), ranks.begin() + std::ptrdiff_t(count), ranks.end());
-  ranks.resize(count);
+/// Sorts the ranks by their urgency to 1/128 of its value, and removes no_rank and all but the first `max_count` ranks.
+/// A counting sort: rays miss some hundred thousand nodes per pass.
+void keep_first(std::vector<std::uint64_t>& ranks, std::size_t max_count) {
+  constexpr unsigned ignored_bits = 48;
+  std::vector<std::uint32_t> place((std::size_t(1) << (64 - ignored_bits)) + 1);
+  std::erase(ranks, no_rank);
+  for (const std::uint64_t rank : ranks) ++place[(rank >> ignored_bits) + 1];
+  std::partial_sum(place.begin(), place.end(), place.begin());
+  std::vector<std::uint64_t> sorted(ranks.size());
+  for (const std::uint64_t rank : ranks) sorted[place[rank >> ignored_bits]++] = rank;
+  sorted.resize(std::min(sorted.size(), max_count));
+  ranks = std::move(sorted);
 }
 
 }  // namespace
@@ -84,12 +92,9 @@ void RequestAnswers::begin_pass(std::span<const std::uint32_t> requested, std::s
         waiting[i] = rank;
     }
   });
-  std::erase(waiting, no_rank);
-  keep_min(waiting, repeated_requests);
-  std::erase(ranks_, no_rank);
+  keep_first(waiting, repeated_requests);
   ranks_.insert(ranks_.end(), waiting.begin(), waiting.end());
-  keep_min(ranks_, max_requests);
-  std::sort(ranks_.begin(), ranks_.end());
+  keep_first(ranks_, max_requests);
 }
 
 void RequestAnswers::answer(RequestAnswer& answer, MissingPages& missing_pages) const {

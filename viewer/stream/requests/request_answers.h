@@ -70,7 +70,7 @@ class RequestAnswers {
   const VoxelLookup& lookup_;
   const ThreadPool& policy_;
   WaitingRequests waiting_;
-  std::vector<std::uint64_t> ranks_;  ///< ascending: most urgent first
+  std::vector<std::uint64_t> ranks_;  ///< most urgent first
   std::size_t next_ = 0;              ///< of ranks_
   std::vector<RequestAnswer> batch_;
   std::vector<MissingPages> missing_pages_;  ///< of batch_
