@@ -92,7 +92,7 @@ bool PoolAllocator::put_children(std::uint32_t node, const ChildMasks& children,
   if (free_tiles_.empty() && !free_some_tiles(node / 8, caster)) return false;
   const std::uint32_t t = free_tiles_.back();
   free_tiles_.pop_back();
-  tiles_[t] = {node, place_of(node), caster.pass(), round_, 0, true};
+  tiles_[t] = {node, place_of(node), caster.pass(), round_, 0, 0, true};
   if (node >= cells_) ++tiles_[node / 8].resident_children;
   const bool finest = tiles_[t].place.lod == 1;
   for (std::uint32_t c = 0; c < 8; ++c) change(8 * t + c, new_node(children, c, finest));
@@ -108,6 +108,7 @@ std::optional<std::uint32_t> PoolAllocator::put_brick(std::uint32_t node, std::u
   const std::uint32_t s = free_slots_.back();
   free_slots_.pop_back();
   slots_[s] = {node, caster.pass(), round_, true};
+  tiles_[node / 8].brick_round = round_;
   arena_.take(s, parts);
   change(node, {nodes_[node].children, s});
   return s;
@@ -198,13 +199,14 @@ std::vector<std::uint32_t> PoolAllocator::oldest(std::vector<std::pair<std::uint
   return gone;
 }
 
-/// Evicts tiles; returns false if no tile is free afterwards. Does not evict the tile `stays`, which contains the node
-/// whose children are allocated.
+/// Evicts tiles and the bricks of their nodes; returns false if no tile is free afterwards. Does not evict the tile
+/// `stays`, which contains the node whose children are allocated.
 bool PoolAllocator::free_some_tiles(std::uint32_t stays, kernels::Caster& caster) {
   const std::vector<std::uint32_t>& timestamps = caster.tile_timestamps();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates;
   for (std::uint32_t t = root_tiles(cells_); t < tiles_.size(); ++t)
-    if (tiles_[t].used && tiles_[t].resident_children == 0 && tiles_[t].round != round_ && t != stays)
+    if (tiles_[t].used && tiles_[t].resident_children == 0 && tiles_[t].round != round_ &&
+        tiles_[t].brick_round != round_ && t != stays)
       candidates.emplace_back(last_use(timestamps[t], tiles_[t].born), t);
   for (const std::uint32_t t : oldest(std::move(candidates), 1 + tiles_.size() / parts_of_pool)) release_tile(t);
   return !free_tiles_.empty();

@@ -35,8 +35,9 @@ class PoolAllocator {
   /// before.
   bool is_settled(std::uint32_t node) const;
 
-  /// Begins a round: entries allocated from now on stay until the next round. Entries that rays used in pass
-  /// `used_since` or later stay too, unless `may_evict_used` is true and nothing else can be evicted.
+  /// Begins a round: entries allocated from now on, and the tiles of their nodes, stay until the next round. Entries
+  /// that rays used in pass `used_since` or later stay too, unless `may_evict_used` is true and nothing else can be
+  /// evicted.
   void begin_round(std::uint32_t used_since, bool may_evict_used);
   /// Returns whether this round evicted an entry that rays used in pass `used_since` of begin_round() or later.
   bool evicted_used() const { return evicted_used_; }
@@ -73,6 +74,7 @@ class PoolAllocator {
     FieldNode place;           ///< position of the parent node
     std::uint32_t born = 0;    ///< pass of the allocation
     std::uint32_t round = 0;
+    std::uint32_t brick_round = 0;        ///< round in which one of its nodes received a brick
     std::uint32_t resident_children = 0;  ///< number of the tile's nodes that have a tile of children
     bool used = false;
   };

@@ -187,7 +187,7 @@ bool SceneStream::enter(RequestAnswer& answer) {
 void SceneStream::enter_all(std::span<RequestAnswer> answers, Served& served) {
   served.answers += answers.size();
   for (RequestAnswer& answer : answers) {
-    if (served.is_full || answer.misses_pages || !allocator_.is_settled(NodeRequest(answer.request).node)) continue;
+    if (served.is_full || answer.is_missing || !allocator_.is_settled(NodeRequest(answer.request).node)) continue;
     if (answers_.is_fulfilled(answer.request)) continue;
     if (enter(answer))
       ++served.uploads;

@@ -97,7 +97,10 @@ void RequestAnswers::begin_pass(std::span<const std::uint32_t> requested, std::s
   keep_first(ranks_, max_requests);
 }
 
+/// Sets the answer, or the pages that it lacks. The request may have become obsolete since it was ranked.
 void RequestAnswers::answer(RequestAnswer& answer, MissingPages& missing_pages) const {
+  answer.is_missing = !is_open(answer.request);
+  if (answer.is_missing) return;
   const NodeRequest wanted(answer.request);
   const FieldNode node = allocator_.place_of(wanted.node);
   missing_pages.own = box_of(node, layout_);
@@ -107,7 +110,7 @@ void RequestAnswers::answer(RequestAnswer& answer, MissingPages& missing_pages) 
     answer.is_empty = !fill_brick(node, layout_, lookup_, shading_, missing_pages, answer.brick);
   // If an overview is unreadable, an empty brick does not prove that finer levels are empty.
   answer.is_damaged = missing_pages.damaged || (answer.is_empty && missing_pages.is_overview_damaged);
-  answer.misses_pages = !missing_pages.missing.empty();
+  answer.is_missing = !missing_pages.missing.empty();
 }
 
 std::span<RequestAnswer> RequestAnswers::next_batch() {
@@ -122,7 +125,7 @@ std::span<RequestAnswer> RequestAnswers::next_batch() {
     }
   });
   for (std::size_t i = 0; i < count; ++i)
-    if (batch_[i].misses_pages)
+    if (!missing_pages_[i].missing.empty())
       waiting_.add(batch_[i].request, ranks_[next_ + i], std::move(missing_pages_[i].missing));
   next_ += count;
   return batch_;

@@ -25,11 +25,11 @@ struct NodeRequest {
 /// The answer to one request. It is independent of pages, which may be evicted afterwards.
 struct RequestAnswer {
   std::uint32_t request = 0;
-  bool misses_pages = false;  ///< the request waits; the other members are not set
-  bool is_damaged = false;    ///< pages that the answer needs cannot be read
-  ChildMasks children;        ///< of a request of children
-  bool is_empty = false;      ///< of a request of a brick: there are no voxels
-  kernels::CastBrick brick;   ///< of a request of a brick that is not empty
+  bool is_missing = false;   ///< the request waits for pages or is obsolete; the other members are not set
+  bool is_damaged = false;   ///< pages that the answer needs cannot be read
+  ChildMasks children;       ///< of a request of children
+  bool is_empty = false;     ///< of a request of a brick: there are no voxels
+  kernels::CastBrick brick;  ///< of a request of a brick that is not empty
 };
 
 /// Requests in the order of their urgency, answered in batches on all threads. Requests whose pages are not resident

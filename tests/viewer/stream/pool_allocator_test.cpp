@@ -1,0 +1,33 @@
+#include "viewer/stream/pool_allocator.h"
+
+#include <gtest/gtest.h>
+#include <limits>
+
+namespace gigabake {
+namespace {
+
+constexpr std::uint32_t all_evictable = std::numeric_limits<std::uint32_t>::max();
+constexpr ChildMasks eight_children{255, 0};
+
+TEST(PoolAllocator, KeepsTheNodesOfBricksThatItAllocatedInTheSameRound) {
+  const kernels::PoolSizes sizes{2, 16, 16 * kernels::max_parts};
+  const ThreadPool pool(1);
+  const auto caster = kernels::make_cpu_caster({}, sizes, pool);
+  PoolAllocator allocator(2, 4, sizes);
+  allocator.begin_round(all_evictable, false);
+  ASSERT_TRUE(allocator.put_children(0, eight_children, *caster));
+  constexpr std::uint32_t child = 8;
+
+  allocator.begin_round(all_evictable, false);
+  ASSERT_TRUE(allocator.put_brick(child, 10, *caster));
+  EXPECT_FALSE(allocator.put_children(1, eight_children, *caster));
+  EXPECT_TRUE(allocator.is_in_use(child));
+  EXPECT_TRUE(kernels::is_resident(allocator.node(child).brick));
+
+  allocator.begin_round(all_evictable, false);
+  EXPECT_TRUE(allocator.put_children(1, eight_children, *caster));
+  EXPECT_FALSE(kernels::is_resident(allocator.node(0).children));
+}
+
+}  // namespace
+}  // namespace gigabake
