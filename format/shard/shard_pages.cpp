@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <deque>
+#include <exception>
+#include <future>
 #include <optional>
 
 #include "core/base/error.h"
@@ -88,6 +90,12 @@ struct ShardPages::ValueLevel {
   std::deque<ChannelRows> channels;
 };
 
+/// Bricks [begin, end) of a level. Other threads wait for the thread that decodes them.
+struct ShardPages::DecodedBricks {
+  std::uint64_t begin, end;
+  std::shared_future<BrickLevel> level;
+};
+
 struct ShardPages::Level {
   Level(const Hdf5File& file, std::uint64_t bricks_of_nodes) : source(file), bricks(bricks_of_nodes) {}
 
@@ -96,14 +104,7 @@ struct ShardPages::Level {
   std::optional<ValueLevel> values;
   std::optional<PredictedLevel> predicted;  ///< since version 7
   /// The last bricks that finer levels needed, the latest first. Guarded by mutex_.
-  std::vector<std::shared_ptr<const DecodedBricks>> decoded;
-};
-
-struct ShardPages::DecodedBricks {
-  BrickLevel level;
-  std::uint64_t begin;
-
-  std::uint64_t end() const { return begin + level.mask.size() / 8; }
+  mutable std::vector<DecodedBricks> decoded;
 };
 
 ShardPages::ShardPages(const std::filesystem::path& path, std::shared_ptr<ChunkCache> chunks)
@@ -241,28 +242,34 @@ BrickLevel ShardPages::decode(int lod, std::uint64_t begin, std::uint64_t count,
     }
   }
   if (end == 0) return level.predicted->read(begin, parents, {}, values);
-  const std::shared_ptr<const DecodedBricks> above = decoded(lod + 1, low, end);
-  return level.predicted->read(begin, parents, {&above->level, above->begin}, values);
+  const DecodedBricks above = decoded(lod + 1, low, end);
+  return level.predicted->read(begin, parents, {&above.level.get(), above.begin}, values);
 }
 
 /// Returns at least bricks [low, end) of a level since version 7, without alphas and planes. Keeps the last of them,
-/// because requests for finer bricks often have parents near each other.
-std::shared_ptr<const ShardPages::DecodedBricks> ShardPages::decoded(int lod, std::uint64_t low,
-                                                                     std::uint64_t end) const {
+/// because requests for finer bricks often have parents near each other. A thread waits only for a thread that decodes
+/// a coarser level than its own.
+ShardPages::DecodedBricks ShardPages::decoded(int lod, std::uint64_t low, std::uint64_t end) const {
   const Level& level = open_level(lod);
+  std::promise<BrickLevel> promise;
+  DecodedBricks bricks{low - low % bricks_at_once,
+                       std::min(level.bricks, (end + bricks_at_once - 1) / bricks_at_once * bricks_at_once),
+                       promise.get_future().share()};
+  std::vector<DecodedBricks>& kept = level.decoded;
   {
     const std::scoped_lock lock(mutex_);
-    for (const std::shared_ptr<const DecodedBricks>& kept : level.decoded)
-      if (kept->begin <= low && end <= kept->end()) return kept;
+    for (const DecodedBricks& one : kept)
+      if (one.begin <= low && end <= one.end) return one;
+    kept.insert(kept.begin(), bricks);
+    if (kept.size() > max_kept) kept.pop_back();
   }
-  const std::uint64_t begin = low - low % bricks_at_once,
-                      stop = std::min(level.bricks, (end + bricks_at_once - 1) / bricks_at_once * bricks_at_once);
-  auto bricks = std::make_shared<const DecodedBricks>(
-      DecodedBricks{decode(lod, begin, stop - begin, PredictedLevel::Values::predictions), begin});
-  const std::scoped_lock lock(mutex_);
-  std::vector<std::shared_ptr<const DecodedBricks>>& kept = levels_[std::size_t(lod)]->decoded;
-  kept.insert(kept.begin(), bricks);
-  if (kept.size() > max_kept) kept.pop_back();
+  try {
+    promise.set_value(decode(lod, bricks.begin, bricks.end - bricks.begin, PredictedLevel::Values::predictions));
+  } catch (...) {
+    promise.set_exception(std::current_exception());
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(kept, [&](const DecodedBricks& one) { return one.begin == bricks.begin && one.end == bricks.end; });
+  }
   return bricks;
 }
 

@@ -51,7 +51,7 @@ class ShardPages {
   BrickBlock read_values(int lod, std::uint64_t first, std::uint64_t bricks) const;
   BrickBlock cut_out(int lod, std::uint64_t first, std::uint64_t bricks) const;
   BrickLevel decode(int lod, std::uint64_t begin, std::uint64_t count, PredictedLevel::Values values) const;
-  std::shared_ptr<const DecodedBricks> decoded(int lod, std::uint64_t low, std::uint64_t end) const;
+  DecodedBricks decoded(int lod, std::uint64_t low, std::uint64_t end) const;
 
   Hdf5File file_;
   ShardHeader header_;

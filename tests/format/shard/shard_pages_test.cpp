@@ -1,6 +1,7 @@
 #include "format/shard/shard_pages.h"
 
 #include <algorithm>
+#include <barrier>
 #include <filesystem>
 #include <functional>
 #include <gtest/gtest.h>
@@ -135,6 +136,30 @@ TEST(ShardPages, ReadEachChunkOnceIfACacheHoldsAll) {
   const std::uint64_t kept = read_bytes(std::make_shared<ChunkCache>(1u << 30));
   EXPECT_LE(kept, std::filesystem::file_size(folder / "s.h5"));
   EXPECT_LT(2 * kept, read_bytes(nullptr));
+}
+
+TEST(ShardPages, DecodeParentsOnceForAllThreads) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  const TempFolder folder;
+  Shard shard;
+  do shard = made::random_shard(rng, {.lods = 7, .nested = true});  // one block of parents per level
+  while (shard.levels[0].mask.size() < std::size_t(8) * 300 || shard.levels[1].mask.size() > std::size_t(8) * 512);
+  write_shard(folder / "s.h5", shard, {});
+  const auto read_rows = [&](std::size_t threads) {
+    const WorkCounts before = work_counts();
+    const ShardPages pages(folder / "s.h5");
+    std::barrier start{std::ptrdiff_t(threads)};
+    std::vector<std::jthread> readers;
+    for (std::size_t t = 0; t < threads; ++t)
+      readers.emplace_back([&, t] {
+        start.arrive_and_wait();
+        for (std::uint64_t brick = 64 * t; brick < pages.bricks(0); brick += 64 * threads) pages.level(0, brick, 64);
+      });
+    readers.clear();
+    return work_counts().since(before)[WorkCounter::shard_rows_read];
+  };
+  EXPECT_EQ(read_rows(8), read_rows(1));
 }
 
 TEST(ShardPages, OfAConstantCellHaveOneNodeAndNoBricks) {
