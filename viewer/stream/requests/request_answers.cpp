@@ -30,18 +30,27 @@ std::uint64_t ranked_request(double urgency, std::uint32_t request) {
   return std::uint64_t(~std::bit_cast<std::uint32_t>(float(urgency))) << 32 | request;
 }
 
-/// Sorts the ranks by their urgency to 1/128 of its value, and removes no_rank and all but the first `max_count` ranks.
-/// A counting sort: rays miss some hundred thousand nodes per pass.
-void keep_first(std::vector<std::uint64_t>& ranks, std::size_t max_count) {
+/// Sorts many ranks by their urgency to 1/128 of its value. A counting sort: rays can miss some hundred thousand nodes
+/// per pass.
+void sort_many(std::vector<std::uint64_t>& ranks) {
   constexpr unsigned ignored_bits = 48;
   std::vector<std::uint32_t> place((std::size_t(1) << (64 - ignored_bits)) + 1);
-  std::erase(ranks, no_rank);
   for (const std::uint64_t rank : ranks) ++place[(rank >> ignored_bits) + 1];
   std::partial_sum(place.begin(), place.end(), place.begin());
   std::vector<std::uint64_t> sorted(ranks.size());
   for (const std::uint64_t rank : ranks) sorted[place[rank >> ignored_bits]++] = rank;
-  sorted.resize(std::min(sorted.size(), max_count));
   ranks = std::move(sorted);
+}
+
+/// Sorts the ranks, and removes no_rank and all but the first `max_count` ranks.
+void keep_first(std::vector<std::uint64_t>& ranks, std::size_t max_count) {
+  constexpr std::size_t few = 16384;  // std::sort() is faster
+  std::erase(ranks, no_rank);
+  if (ranks.size() > few)
+    sort_many(ranks);
+  else
+    std::sort(ranks.begin(), ranks.end());
+  ranks.resize(std::min(ranks.size(), max_count));
 }
 
 }  // namespace
