@@ -251,23 +251,22 @@ BrickLevel ShardPages::decode(int lod, std::uint64_t begin, std::uint64_t count,
 /// a coarser level than its own.
 ShardPages::DecodedBricks ShardPages::decoded(int lod, std::uint64_t low, std::uint64_t end) const {
   const Level& level = open_level(lod);
+  std::vector<DecodedBricks>& kept = level.decoded;
+  std::unique_lock lock(mutex_);
+  for (const DecodedBricks& one : kept)
+    if (one.begin <= low && end <= one.end) return one;
   std::promise<BrickLevel> promise;
   DecodedBricks bricks{low - low % bricks_at_once,
                        std::min(level.bricks, (end + bricks_at_once - 1) / bricks_at_once * bricks_at_once),
                        promise.get_future().share()};
-  std::vector<DecodedBricks>& kept = level.decoded;
-  {
-    const std::scoped_lock lock(mutex_);
-    for (const DecodedBricks& one : kept)
-      if (one.begin <= low && end <= one.end) return one;
-    kept.insert(kept.begin(), bricks);
-    if (kept.size() > max_kept) kept.pop_back();
-  }
+  kept.insert(kept.begin(), bricks);
+  if (kept.size() > max_kept) kept.pop_back();
+  lock.unlock();
   try {
     promise.set_value(decode(lod, bricks.begin, bricks.end - bricks.begin, PredictedLevel::Values::predictions));
   } catch (...) {
     promise.set_exception(std::current_exception());
-    const std::scoped_lock lock(mutex_);
+    lock.lock();
     std::erase_if(kept, [&](const DecodedBricks& one) { return one.begin == bricks.begin && one.end == bricks.end; });
   }
   return bricks;

@@ -1,7 +1,7 @@
 #include "viewer/stream/scene_stream.h"
 
 #include <algorithm>
-#include <bit>
+#include <iterator>
 #include <utility>
 
 #include "core/base/error.h"

@@ -48,10 +48,8 @@ const StoredRows& PredictedLevel::rows(LevelColumn column) const {
   const std::scoped_lock lock(of.opening);
   if (of.rows != nullptr) return *of.rows;
   std::unique_ptr<StoredRows> opened = source_.open(level_column(lod_, column));
-  const std::size_t counted = column == LevelColumn::children ? of_children
-                              : column == LevelColumn::facing ? of_facing
-                                                              : of_voxels;
-  if (column != LevelColumn::first) expect(opened->rows() == totals_[counted], column, 0, "does not match first");
+  if (column != LevelColumn::first)
+    expect(opened->rows() == totals_[counted_by(column)], column, 0, "does not match first");
   of.rows = std::move(opened);
   return *of.rows;
 }

@@ -15,6 +15,14 @@
 
 namespace gigabake {
 
+/// The indices of the counts in a row of the column `first`.
+inline constexpr std::size_t of_voxels = 0, of_children = 1, of_facing = 2;
+/// Returns the index of the count that states the rows of a column.
+/// Range   Not the column `first`.
+constexpr std::size_t counted_by(LevelColumn column) {
+  return column == LevelColumn::children ? of_children : column == LevelColumn::facing ? of_facing : of_voxels;
+}
+
 class PredictedLevel {
  public:
   /// Borrows `source`. `bricks` is the number of the level's bricks in the node table.
@@ -43,7 +51,6 @@ class PredictedLevel {
  private:
   /// A row of the column `first`: rows in the columns with a row per voxel, in `children` and in `facing`.
   using Starts = std::array<std::uint64_t, 3>;
-  static constexpr std::size_t of_voxels = 0, of_children = 1, of_facing = 2;
   /// The bricks that are decoded, with the results so far.
   struct Range;
 

@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstring>
 #include <hdf5.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <vector>
 

@@ -13,7 +13,6 @@
 namespace gigabake {
 namespace {
 
-constexpr std::size_t of_voxels = 0, of_children = 1, of_facing = 2;
 constexpr std::uint64_t bricks_per_part = 64 * bricks_per_start;
 
 /// Calls visit(chunk, first row, bytes, thread) for each chunk of a column of bytes.
@@ -71,10 +70,6 @@ void append(const BrickLevel& part, BrickLevel& to) {
 }
 
 }  // namespace
-
-std::size_t counted_by(LevelColumn column) {
-  return column == LevelColumn::children ? of_children : column == LevelColumn::facing ? of_facing : of_voxels;
-}
 
 BaseShard::BaseShard(const std::filesystem::path& path, const ThreadPool& pool)
     : pages_(path), file_(Hdf5File::open(path)) {

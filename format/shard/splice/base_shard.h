@@ -17,10 +17,9 @@
 
 namespace gigabake {
 
-/// The number of rows before a brick: in the columns with a row per voxel, in `children` and in `facing`.
+/// The number of rows before a brick: in the columns with a row per voxel, in `children` and in `facing`. counted_by()
+/// is the index of a column's count.
 using BrickRows = std::array<std::uint64_t, 3>;
-/// Returns the index in BrickRows that counts the rows of a column. The column `first` has none.
-std::size_t counted_by(LevelColumn column);
 
 /// One level of a base shard.
 struct BaseLevel {
