@@ -14,6 +14,7 @@ namespace gigabake {
 enum class WorkCounter : std::uint8_t {
   files_opened,             ///< sources, shards and scratch files, for reading or writing
   file_bytes_read,          ///< of sources and scratch files
+  shard_datasets_opened,    ///< by HDF5, which serves one thread at a time
   shard_rows_read,          ///< rows of all columns of shards, as requested by callers
   shard_bytes_read,         ///< stored bytes of the chunks that contain these rows
   shard_bytes_written,      ///< complete files
@@ -31,11 +32,11 @@ enum class WorkCounter : std::uint8_t {
 };
 template <>
 constexpr auto names_of<WorkCounter>() {
-  return std::to_array<std::string_view>({"files_opened", "file_bytes_read", "shard_rows_read", "shard_bytes_read",
-                                          "shard_bytes_written", "shard_bytes_copied", "edited_bricks",
-                                          "overview_children", "overview_children_read", "overview_rows", "joins",
-                                          "device_bytes_uploaded", "device_bytes_downloaded", "device_launches",
-                                          "device_synchronizations", "device_allocations"});
+  return std::to_array<std::string_view>({"files_opened", "file_bytes_read", "shard_datasets_opened", "shard_rows_read",
+                                          "shard_bytes_read", "shard_bytes_written", "shard_bytes_copied",
+                                          "edited_bricks", "overview_children", "overview_children_read",
+                                          "overview_rows", "joins", "device_bytes_uploaded", "device_bytes_downloaded",
+                                          "device_launches", "device_synchronizations", "device_allocations"});
 }
 
 struct WorkCounts {

@@ -1,5 +1,7 @@
 #include "format/scene/shard_of_scene.h"
 
+#include <system_error>
+
 #include "core/base/error.h"
 
 namespace gigabake {
@@ -30,7 +32,11 @@ std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, 
 
 void expect_shard_of_scene(const std::filesystem::path& shard, const ShardHeader& header, const SceneHeader& scene,
                            const SceneCell& cell) {
-  const auto differences = differences_from_scene(header, scene, cell);
+  std::vector<HeaderDifference> differences = differences_from_scene(header, scene, cell);
+  std::error_code error;
+  if (const std::uintmax_t bytes = std::filesystem::file_size(shard, error); !error && bytes != cell.bytes)
+    differences.push_back({"Bytes", "the file has " + std::to_string(bytes) + ", scene.xml states " +
+                                        std::to_string(cell.bytes) + ": another program has changed it"});
   if (!differences.empty())
     throw InputError(shard, differences[0].attribute,
                      differences[0].what + "; gigabake verify lists all faults; bake again to fix them");

@@ -20,7 +20,8 @@ struct HeaderDifference {
 std::vector<HeaderDifference> differences_from_scene(const ShardHeader& header, const SceneHeader& scene,
                                                      const SceneCell& cell);
 
-/// Checks that the header matches the scene's entry for `cell`.
+/// Checks that the header and the size of the file match the scene's entry for `cell`. A file that another program has
+/// rewritten could have a table of chunks that is not of its datasets.
 /// Errors  InputError with the first difference and the remedy.
 void expect_shard_of_scene(const std::filesystem::path& shard, const ShardHeader& header, const SceneHeader& scene,
                            const SceneCell& cell);

@@ -108,7 +108,7 @@ struct ShardPages::Level {
 };
 
 ShardPages::ShardPages(const std::filesystem::path& path, std::shared_ptr<ChunkCache> chunks)
-    : file_(Hdf5File::open(path, std::move(chunks))),
+    : file_(Hdf5File::open(path, ChunkPlaces::by_table, std::move(chunks))),
       header_(read_header(file_)),
       version_(read_version(file_)),
       levels_(header_.lods) {}

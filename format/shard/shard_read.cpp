@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "core/base/error.h"
+#include "core/base/pluralize.h"
 #include "format/shard/check/shard_check.h"
 #include "format/shard/hdf5/hdf5_rows.h"
 #include "format/shard/levels/above.h"
@@ -41,9 +42,10 @@ std::vector<DirectionalCoverage> directional_coverage_of_rows(const std::vector<
 
 ShardReader::ShardReader(const std::filesystem::path& path)
     : path_(path),
-      file_(std::make_unique<const Hdf5File>(Hdf5File::open(path))),
+      file_(std::make_unique<const Hdf5File>(Hdf5File::open(path, ChunkPlaces::by_index))),
       header_(read_header(*file_)),
-      version_(read_version(*file_)) {}
+      version_(read_version(*file_)),
+      above_hash_(read_above_hash(*file_)) {}
 
 ShardReader::ShardReader(ShardReader&&) noexcept = default;
 ShardReader& ShardReader::operator=(ShardReader&&) noexcept = default;
@@ -82,8 +84,7 @@ CoarseLevels ShardReader::coarse_levels(int lod) const {
 }
 
 DownsampleState ShardReader::above() const {
-  const auto hash = read_above_hash(*file_);
-  if (!hash) return {};
+  if (!above_hash_) return {};
   const DownsampleStateColumns columns(int(header_.first_lod + header_.lods) - 1);
   DownsampleState above;
   read_rows(*file_, columns.place, above.place);
@@ -93,7 +94,7 @@ DownsampleState ShardReader::above() const {
   if (file_->has_column(columns.patch)) read_rows(*file_, columns.patch, above.patch);
   if (header_.has_classes) read_rows(*file_, columns.voxel_class, above.voxel_class);
   check_above(path_, header_, above);
-  if (hash_of(above) != *hash) file_->fail("/above", "does not match above_hash");
+  if (hash_of(above) != *above_hash_) file_->fail("/above", "does not match above_hash");
   return above;
 }
 
@@ -131,6 +132,48 @@ std::uint64_t ShardReader::node_bytes() const {
   std::uint64_t bytes = 0;
   for (const Hdf5Column& column : NodeColumns(version_).all(header_)) bytes += file_->stored_bytes(column);
   return bytes;
+}
+
+std::vector<Hdf5Column> ShardReader::all_columns() const {
+  std::vector<Hdf5Column> all = NodeColumns(version_).all(header_);
+  for (int lod = 0; lod < int(header_.lods); ++lod)
+    for (Hdf5Column& column : columns_of_level(lod)) all.push_back(std::move(column));
+  if (!above_hash_) return all;
+  DownsampleStateColumns above(int(header_.first_lod + header_.lods) - 1);
+  all.insert(all.end(), {above.place, above.rgba});
+  if (header_.has_normals) all.push_back(above.normal);
+  for (const Hdf5Column& column : {above.raster, above.patch})
+    if (column.width != 0 && file_->has_column(column)) all.push_back(column);
+  if (header_.has_classes) all.push_back(above.voxel_class);
+  return all;
+}
+
+std::vector<std::string> ShardReader::faults_of_chunk_table() const {
+  const std::string table_name = "/chunks", again = "; bake the cell again";
+  std::vector<std::string> faults;
+  const auto guarded = [&](const auto& check) {
+    try {
+      check();
+    } catch (const InputError& error) {
+      faults.emplace_back(error.what());
+    }
+  };
+  guarded([&] {
+    const Hdf5File with_table = Hdf5File::open(path_, ChunkPlaces::by_table);
+    const ChunkTable* table = with_table.chunk_table();
+    if (table == nullptr) return;
+    const std::vector<Hdf5Column> columns = all_columns();
+    for (const Hdf5Column& column : columns)
+      guarded([&] {
+        const ChunkedColumn* listed = table->find(column.name);
+        if (listed == nullptr || *listed != IndexedColumn(*file_, column).with_chunks())
+          file_->fail(table_name, "does not match the dataset " + column.name + again);
+      });
+    if (table->names().size() != columns.size())
+      file_->fail(table_name, "lists " + pluralize(table->names().size(), "column") + " of " +
+                                  std::to_string(columns.size()) + again);
+  });
+  return faults;
 }
 
 std::vector<std::string> ShardReader::unreadable_columns() const {

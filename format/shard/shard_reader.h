@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,8 @@ struct ColumnReads {
   std::uint64_t bytes = 0;  ///< size of the stored chunks that contain those rows
 };
 
-/// Reader of a shard. Checks every size, count and checksum before using the data.
+/// Reader of a shard. Checks every size, count and checksum before using the data. Reads the datasets of the file, not
+/// its table of chunks, and refuses links to other files.
 /// Errors  InputError naming file and dataset, from every member.
 class ShardReader {
  public:
@@ -48,16 +50,21 @@ class ShardReader {
   std::uint64_t node_bytes() const;
   /// Returns the amount of column data read so far.
   ColumnReads reads() const;
+  /// Compares the table of chunks, if the shard has one, with HDF5's indexes of all columns. Returns one message for
+  /// each dataset that differs or has a damaged index. Never throws for damaged data.
+  std::vector<std::string> faults_of_chunk_table() const;
   /// Returns one message for each dataset that cannot be read. Never throws for damaged data.
   std::vector<std::string> unreadable_columns() const;
 
  private:
   std::vector<Hdf5Column> columns_of_level(int lod) const;
+  std::vector<Hdf5Column> all_columns() const;
 
   std::filesystem::path path_;
   std::unique_ptr<const Hdf5File> file_;
   ShardHeader header_;
   std::int32_t version_;
+  std::optional<Hash128> above_hash_;
 };
 
 }  // namespace gigabake

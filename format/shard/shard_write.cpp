@@ -69,6 +69,7 @@ StoredShard make_file(Hdf5File file, const ShardHeader& header, const Downsample
   }
   const StoredShard stored = columns.stored_bytes(file.write_columns(columns.columns(), options.codec, options.pool));
   const InStage writing(BakeStage::writing);
+  file.write_chunk_table(options.codec);
   file.close();
   return stored;
 }

@@ -20,6 +20,12 @@ class Descriptor {
   Descriptor(const std::filesystem::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
     count_work(WorkCounter::files_opened);
   }
+  /// Returns another descriptor of an open file. If is_open() is false, errno has the reason.
+  static Descriptor duplicate(int fd) {
+    Descriptor copy;
+    copy.fd_ = ::fcntl(fd, F_DUPFD_CLOEXEC, 0);
+    return copy;
+  }
   ~Descriptor() {
     if (fd_ >= 0) ::close(fd_);
   }

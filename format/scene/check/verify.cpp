@@ -49,6 +49,8 @@ void check_voxels(const Shard& shard, const SceneCell& cell, Faults& faults) {
 /// Reads a whole shard; returns nullopt if it is damaged. Then adds a line per damaged dataset to `faults` or, if all
 /// datasets are readable, a line with the violated rule.
 std::optional<Shard> read_whole(const ShardReader& reader, Faults& faults) {
+  faults.lines = reader.faults_of_chunk_table();
+  if (!faults.lines.empty()) return std::nullopt;
   try {
     return reader.all();
   } catch (const InputError& error) {

@@ -15,6 +15,7 @@ void FileImage::begin_file() noexcept {
 
 void FileImage::write(std::uint64_t at, const std::uint8_t* bytes, std::size_t count, bool is_chunk) {
   length_ = std::max(length_, at + count);
+  if (is_chunk) last_chunk_ = at;
   if (is_chunk && chunks_ == ChunkMemory::referred) {
     pieces_.push_back({at, count, bytes, 0});
     return;

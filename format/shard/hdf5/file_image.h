@@ -36,6 +36,8 @@ class FileImage {
   void write(std::uint64_t at, const std::uint8_t* bytes, std::size_t count, bool is_chunk);
   /// Reads bytes that were written; all other bytes are 0.
   void read(std::uint64_t at, std::uint8_t* bytes, std::size_t count) const;
+  /// Returns the address of the chunk that was written last.
+  std::uint64_t last_chunk() const noexcept { return last_chunk_; }
   void set_length(std::uint64_t bytes) noexcept { length_ = bytes; }
   std::uint64_t length() const noexcept { return length_; }
 
@@ -55,7 +57,7 @@ class FileImage {
 
   std::vector<Piece> pieces_;  ///< in the order of the writes; a later write replaces the bytes of an earlier one
   std::vector<std::uint8_t> copied_;
-  std::uint64_t length_ = 0;
+  std::uint64_t length_ = 0, last_chunk_ = 0;
   ChunkMemory chunks_ = ChunkMemory::copied;
 };
 

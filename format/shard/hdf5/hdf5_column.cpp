@@ -1,6 +1,7 @@
 #include <array>
 #include <hdf5.h>
 #include <optional>
+#include <utility>
 
 #include "core/codec/chunk_rows.h"
 #include "format/shard/hdf5/hdf5_file.h"
@@ -37,11 +38,19 @@ hid_t creation_properties(const Hdf5Call& call, const Hdf5Column& column, std::s
   return create;
 }
 
+/// Returns the shape of a column that is written, without chunks.
+ChunkedColumn shape_in_file(const Hdf5Column& column, std::uint64_t rows, Codec codec) {
+  if (rows == 0) return {0, 0, column.row_bytes(), Codec::lz4, false, {}};
+  return {rows,  rows_per_chunk(rows, column.row_bytes()), column.row_bytes(),
+          codec, column.planes != BytePlanes::no,          {}};
+}
+
 }  // namespace
 
 OpenColumn Hdf5File::open_column(const Hdf5Column& column) const {
   const Hdf5Call call{path_, column.name};
   configure_hdf5(call);
+  count_work(WorkCounter::shard_datasets_opened);
   Hdf5Id set = call.id("H5Dopen2", H5Dopen2(file_.get(), column.name.c_str(), H5P_DEFAULT), H5Dclose);
   // The layout is checked before the shape, because reading the shape of a virtual dataset opens the files that the
   // dataset refers to.
@@ -57,6 +66,7 @@ Hdf5Id Hdf5File::make_column(const Hdf5Column& column, std::uint64_t rows, Codec
   const hsize_t shape[2] = {rows, column.width};
   const Hdf5Id space = call.id("H5Screate_simple", H5Screate_simple(column.dimensions(), shape, nullptr), H5Sclose);
   const hid_t properties = creation_properties(call, column, rows, codec);
+  table_->table.add(column.name, shape_in_file(column, rows, codec));
   return call.id("H5Dcreate2",
                  H5Dcreate2(file_.get(), column.name.c_str(), hdf5_type(call, column), space.get(), H5P_DEFAULT,
                             properties, H5P_DEFAULT),
@@ -64,6 +74,7 @@ Hdf5Id Hdf5File::make_column(const Hdf5Column& column, std::uint64_t rows, Codec
 }
 
 bool Hdf5File::has_column(const Hdf5Column& column) const {
+  if (const ChunkTable* table = chunk_table()) return table->find(column.name) != nullptr;
   const Hdf5Call call{path_, column.name};
   configure_hdf5(call);
   return call("H5Lexists", H5Lexists(file_.get(), column.name.c_str(), H5P_DEFAULT)) > 0;

@@ -24,7 +24,7 @@ constexpr std::size_t max_text = 64 << 10;
 hid_t made_access_properties(const Hdf5Call& call) {
   const hid_t access = call("H5Pcreate", H5Pcreate(H5P_FILE_ACCESS));
   call("H5Pset_libver_bounds", H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110));
-  call("H5Pset_fapl_sec2", H5Pset_fapl_sec2(access));  // descriptor() requires plain files
+  call("H5Pset_fapl_sec2", H5Pset_fapl_sec2(access));  // the handle of a plain file is its descriptor
   call("H5Pset_fclose_degree", H5Pset_fclose_degree(access, H5F_CLOSE_STRONG));
   call("H5Pset_file_locking", H5Pset_file_locking(access, false, true));
   call("H5Pset_cache", H5Pset_cache(access, 0, 0, 0, 1));
@@ -97,8 +97,17 @@ hid_t untimed_properties(const Hdf5Call& call, hid_t of) {
   return properties;
 }
 
+/// Makes the creation properties of all files. A root group with few attributes would store more than eight of them in
+/// a heap with an index, which take longer to write and to read than the object header.
+hid_t made_file_properties(const Hdf5Call& call) {
+  constexpr unsigned max_in_header = 64, min_in_heap = 60;
+  const hid_t properties = untimed_properties(call, H5P_FILE_CREATE);
+  call("H5Pset_attr_phase_change", H5Pset_attr_phase_change(properties, max_in_header, min_in_heap));
+  return properties;
+}
+
 Hdf5Id created(const Hdf5Call& call, const std::filesystem::path& path, hid_t access) {
-  static const hid_t properties = untimed_properties(call, H5P_FILE_CREATE);
+  static const hid_t properties = made_file_properties(call);
   return call.id("H5Fcreate", H5Fcreate(path.c_str(), H5F_ACC_TRUNC, properties, access), H5Fclose);
 }
 
@@ -122,7 +131,7 @@ Hdf5File Hdf5File::create(FileImage& image, const std::filesystem::path& called)
   return file;
 }
 
-Hdf5File Hdf5File::open(const std::filesystem::path& path, std::shared_ptr<ChunkCache> chunks) {
+Hdf5File Hdf5File::open(const std::filesystem::path& path, ChunkPlaces places, std::shared_ptr<ChunkCache> chunks) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path, "", "no such file; bake the scene again");
   const Hdf5Call call{path, ""};
@@ -131,11 +140,13 @@ Hdf5File Hdf5File::open(const std::filesystem::path& path, std::shared_ptr<Chunk
   Hdf5File file(path, call.id("H5Fopen", H5Fopen(path.c_str(), H5F_ACC_RDONLY, access_properties(call)), H5Fclose));
   void* handle = nullptr;
   call("H5Fget_vfd_handle", H5Fget_vfd_handle(file.file_.get(), H5P_DEFAULT, &handle));
-  file.descriptor_ = *static_cast<const int*>(handle);
+  file.descriptor_ = Descriptor::duplicate(*static_cast<const int*>(handle));
   struct stat status {};
-  if (::fstat(file.descriptor_, &status) != 0) file.fail("", std::string("fstat failed: ") + std::strerror(errno));
+  if (!file.descriptor_.is_open() || ::fstat(file.descriptor(), &status) != 0)
+    file.fail("", std::string("cannot be opened: ") + std::strerror(errno));
   file.bytes_ = std::uint64_t(status.st_size);
   file.chunks_ = std::move(chunks);
+  file.table_->is_read = places == ChunkPlaces::by_index;
   return file;
 }
 

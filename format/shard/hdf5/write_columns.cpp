@@ -21,14 +21,14 @@ struct Chunk {
   std::span<const std::uint8_t> bytes() const { return own.empty() ? given : own; }
 };
 
-struct ChunkPlace {
+struct ChunkOfColumn {
   std::size_t column, number;
 };
 
 std::size_t rows_per_chunk_of(const ColumnRows& c) { return rows_per_chunk(c.rows, c.column.row_bytes()); }
 
-std::vector<ChunkPlace> all_chunks(std::span<const ColumnRows> columns) {
-  std::vector<ChunkPlace> chunks;
+std::vector<ChunkOfColumn> all_chunks(std::span<const ColumnRows> columns) {
+  std::vector<ChunkOfColumn> chunks;
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const std::size_t count = chunk_count(columns[c].rows, columns[c].column.row_bytes());
     for (std::size_t i = 0; i < count; ++i) chunks.push_back({c, i});
@@ -110,15 +110,14 @@ class ColumnsInOrder {
     storing_ = false;
   }
 
-  void store(const ChunkPlace& at, const Chunk& chunk) {
+  void store(const ChunkOfColumn& at, const Chunk& chunk) {
     const std::span<const std::uint8_t> bytes = chunk.bytes();
     make_columns_up_to(at.column + 1);
-    const Hdf5Call call{file_.path(), columns_[at.column].column.name};
-    configure_hdf5(call);
+    const ColumnRows& column = columns_[at.column];
+    configure_hdf5({file_.path(), column.column.name});
     // A chunk that was packed here is freed after this call; the caller of write_columns() keeps the others.
     file_.set_chunk_memory(chunk.own.empty() ? ChunkMemory::referred : ChunkMemory::copied);
-    const hsize_t offset[2] = {at.number * rows_per_chunk_of(columns_[at.column]), 0};
-    call("H5Dwrite_chunk", H5Dwrite_chunk(set_->get(), H5P_DEFAULT, 0, offset, bytes.size(), bytes.data()));
+    file_.write_chunk(*set_, column.column, at.number * rows_per_chunk_of(column), bytes);
     stored_[at.column] += bytes.size();
   }
 
@@ -137,7 +136,7 @@ class ColumnsInOrder {
   const std::span<const ColumnRows> columns_;
   const Codec codec_;
   const bool is_packed_;
-  const std::vector<ChunkPlace> chunks_;
+  const std::vector<ChunkOfColumn> chunks_;
   std::mutex mutex_;          ///< guards the next three members
   std::vector<Chunk> ready_;  ///< per chunk; no bytes: not ready, or stored already
   std::size_t next_ = 0;      ///< the next chunk to store; changed only by the storing thread

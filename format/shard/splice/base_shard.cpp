@@ -72,7 +72,7 @@ void append(const BrickLevel& part, BrickLevel& to) {
 }  // namespace
 
 BaseShard::BaseShard(const std::filesystem::path& path, const ThreadPool& pool)
-    : pages_(path), file_(Hdf5File::open(path)) {
+    : pages_(path), file_(Hdf5File::open(path, ChunkPlaces::by_index)) {
   if (const std::int32_t version = read_version(file_);
       version != first_version_of_differences && version != first_version_of_classes)
     throw InputError(path, "version", "is not the current version, of which edits take bricks");

@@ -26,9 +26,11 @@ struct Version {
   }
   Shard overview() const { return has_classes ? made::with_classes(made::small_overview()) : made::small_overview(); }
 };
-/// The versions of scenes without classes and with classes.
-const Version newest{"version_7_scene_5", true, true, true, true, true},
-    newest_with_classes{"version_9_scene_7", true, true, true, true, true, true};
+/// The versions of scenes without classes and with classes, first without the table of chunks.
+const Version version_7{"version_7_scene_5", true, true, true, true, true},
+    version_9{"version_9_scene_7", true, true, true, true, true, true},
+    newest{"version_7_scene_5_chunks", true, true, true, true, true},
+    newest_with_classes{"version_9_scene_7_chunks", true, true, true, true, true, true};
 
 std::filesystem::path golden(const Version& version) {
   return std::filesystem::path(GIGABAKE_SOURCE_DIR) / "tests/format/golden" / version.folder;
@@ -66,8 +68,8 @@ INSTANTIATE_TEST_SUITE_P(Versions, Golden,
                                          Version{"version_4_scene_3", true, true, true},
                                          Version{"version_5_scene_4", true, true, true, true},
                                          Version{"version_5_scene_5", true, true, true, true},
-                                         Version{"version_6_scene_5", true, true, true, true, true}, newest,
-                                         newest_with_classes),
+                                         Version{"version_6_scene_5", true, true, true, true, true}, version_7,
+                                         version_9, newest, newest_with_classes),
                          [](const auto& version) { return version.param.folder; });
 
 TEST(GoldenToday, WriterStoresWhatTheNewestVersionStores) {

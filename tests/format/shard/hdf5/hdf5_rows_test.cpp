@@ -31,7 +31,7 @@ TEST(Hdf5Rows, AreTheWrittenRowsIfTheColumnHasFewOrManyChunks) {
     for (std::uint8_t& byte : written) byte = std::uint8_t(rng() % 3);
     ASSERT_EQ(chunk_count(written.size(), 1), chunks);
     write_column(folder / "rows.h5", written);
-    const Hdf5File file = Hdf5File::open(folder / "rows.h5");
+    const Hdf5File file = Hdf5File::open(folder / "rows.h5", ChunkPlaces::by_index);
     const Hdf5Rows rows(file, column_of_bytes);
     ASSERT_EQ(rows.rows(), written.size());
     std::vector<std::jthread> readers;
