@@ -207,10 +207,12 @@ bool Pager::has_loaded_pages() const {
   return !state_->loaded_pages.empty();
 }
 
-bool Pager::is_nearly_full() const {
+bool Pager::may_evict() const {
+  // After the eviction of a large page, the pages that stay can take much less than the memory.
+  constexpr std::uint64_t recent_passes = 16;
   const State& s = *state_;
   const std::scoped_lock lock(s.mutex);
-  return s.bytes() > s.nearly_full();
+  return s.bytes() > s.nearly_full() || s.pages.has_evicted_within(recent_passes);
 }
 
 PagerCounts Pager::counts() const {

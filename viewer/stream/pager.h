@@ -61,9 +61,9 @@ class Pager {
   /// Returns whether begin_pass() would make a page resident or mark one as damaged.
   bool has_loaded_pages() const;
 
-  /// Returns whether pages take most of the memory. Pages that find() has not returned in this pass may then be evicted
-  /// before the next pass.
-  bool is_nearly_full() const;
+  /// Returns whether pages take most of the memory, or were evicted in the last passes. Pages that find() has not
+  /// returned in this pass may then be evicted before the next pass.
+  bool may_evict() const;
 
   PagerCounts counts() const;
 

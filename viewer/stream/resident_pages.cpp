@@ -69,6 +69,7 @@ void ResidentPages::evict(std::uint64_t bytes) {
     bytes_ -= resident.bytes;
     resident.page = {};
     evicted_.push_back(candidate.key);
+    last_eviction_ = std::max<std::uint64_t>(pass_, 1);
   }
 }
 

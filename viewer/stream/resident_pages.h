@@ -40,6 +40,11 @@ class ResidentPages {
   /// candidate that was found after it was listed stays.
   void evict(std::uint64_t bytes);
 
+  /// Returns whether pages were evicted in this pass or in the `passes` passes before it.
+  bool has_evicted_within(std::uint64_t passes) const {
+    return last_eviction_ != 0 && pass_ - last_eviction_ <= passes;
+  }
+
   std::uint64_t bytes() const { return bytes_; }
   std::uint64_t candidate_bytes() const { return candidate_bytes_; }
 
@@ -61,6 +66,7 @@ class ResidentPages {
   static bool is_more_recent(const Candidate& a, const Candidate& b);
 
   std::uint64_t pass_ = 0, bytes_ = 0, candidate_bytes_ = 0;
+  std::uint64_t last_eviction_ = 0;  ///< its pass; 0: none yet
   std::unordered_map<PageKey, Resident, PageKeyHash> residents_;
   std::vector<Candidate> candidates_;  ///< heap, least recently used on top
   std::vector<PageKey> evicted_;

@@ -85,7 +85,7 @@ void RequestAnswers::begin_pass(std::span<const std::uint32_t> requested, std::s
                                 const Vec3d& eye) {
   waiting_.begin_pass(pager_);
   const std::size_t count = requested.size() + roots.size();
-  const bool repeats = pager_.is_nearly_full();
+  const bool repeats = pager_.may_evict();
   std::vector<std::uint64_t> waiting(repeats ? count : 0, no_rank);
   ranks_.assign(count, no_rank);
   next_ = 0;
