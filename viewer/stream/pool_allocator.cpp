@@ -54,9 +54,9 @@ FieldNode PoolAllocator::place_of(std::uint32_t node) const {
   return tiles_[node / 8].place.child(node % 8);
 }
 
-bool PoolAllocator::is_settled(std::uint32_t node) const {
+bool PoolAllocator::is_settled(std::uint32_t node, std::uint32_t round) const {
   const Tile& tile = tiles_[node / 8];
-  return tile.used && (node < cells_ || tile.round != round_);
+  return tile.used && (node < cells_ || tile.round <= round);
 }
 
 void PoolAllocator::begin_round(std::uint32_t used_since, bool may_evict_used) {

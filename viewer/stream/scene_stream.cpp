@@ -13,8 +13,10 @@ namespace {
 
 using kernels::RequestKind;
 
-/// The maximum number of answers that prepare() keeps. A GPU casts a frame in less time than they take.
-constexpr std::size_t max_prepared = 32768;
+/// The limits of the number of answers that prepare() keeps. A GPU casts a frame in less time than the maximum takes.
+constexpr std::size_t min_prepared = 4096, max_prepared = 32768;
+/// The number of answers that are entered before the clock is checked.
+constexpr std::size_t answers_per_check = 64;
 constexpr std::uint32_t min_slots = 16;
 /// The assumed average number of parts of a surface brick: its voxels, including the border, and its layers. If the
 /// average is higher, the voxel pool is full before the slots are.
@@ -136,12 +138,13 @@ void SceneStream::begin_pass() {
 
 void SceneStream::prepare(const std::vector<std::uint32_t>& requested, const Vec3d& eye) {
   finish_preparing();
-  if (requested.empty() && pending_roots_.empty()) return;
+  if (!prepared_.empty() || (requested.empty() && pending_roots_.empty())) return;
   stops_preparing_ = false;
+  prepared_round_ = allocator_.round();
   preparing_ = std::async(std::launch::async, [this, requested, eye] {
     pager_.begin_pass();
     if (!answers_.has_next()) answers_.begin_pass(requested, pending_roots_, eye);
-    while (answers_.has_next() && prepared_.size() < max_prepared) {
+    while (answers_.has_next() && prepared_.size() < to_prepare_) {
       std::ranges::move(answers_.next_batch(), std::back_inserter(prepared_));
       if (stops_preparing_) break;
     }
@@ -153,6 +156,11 @@ void SceneStream::finish_preparing() {
   if (!preparing_.valid()) return;
   stops_preparing_ = true;
   preparing_.get();
+}
+
+void SceneStream::forget_prepared() {
+  prepared_.clear();
+  entered_ = 0;
 }
 
 /// Requests the pages that answers lack. Returns whether there are any.
@@ -183,17 +191,27 @@ bool SceneStream::enter(RequestAnswer& answer) {
   return true;
 }
 
-/// Enters answers into the pools until these are full, and copies the new bricks to the caster.
-void SceneStream::enter_all(std::span<RequestAnswer> answers, Served& served) {
-  served.answers += answers.size();
+/// Enters answers until the pools are full or `enough` returns true, at least some of them. Copies the new bricks to
+/// the caster. Returns how many answers it took. Skips answers whose node has got another place since round `round`,
+/// before which no answer was made.
+std::size_t SceneStream::enter_some(std::span<RequestAnswer> answers, std::uint32_t round,
+                                    const kernels::StopAsked& enough, Served& served) {
+  std::size_t taken = 0;
   for (RequestAnswer& answer : answers) {
-    if (served.is_full || answer.is_missing || !allocator_.is_settled(NodeRequest(answer.request).node)) continue;
+    if (taken > 0 && taken % answers_per_check == 0 && enough && enough()) break;
+    ++taken;
+    if (answer.is_missing || !allocator_.is_settled(NodeRequest(answer.request).node, round)) continue;
     if (answers_.is_fulfilled(answer.request)) continue;
-    if (enter(answer))
-      ++served.uploads;
-    else
-      served.is_full = true;
+    served.is_full = !enter(answer);
+    if (served.is_full) break;
+    ++served.uploads;
   }
+  served.answers += taken;
+  put_new_bricks();
+  return taken;
+}
+
+void SceneStream::put_new_bricks() {
   std::vector<kernels::BrickPlace> places;
   for (const std::uint32_t slot : new_slots_) places.push_back(allocator_.brick_place(slot));
   for (const kernels::CastBrick& brick : new_bricks_)
@@ -203,17 +221,33 @@ void SceneStream::enter_all(std::span<RequestAnswer> answers, Served& served) {
   new_bricks_.clear();
 }
 
+/// Enters answers of prepare() until `enough` returns true. The next prepare() makes as many as were entered, or more
+/// if time was left.
+void SceneStream::enter_prepared(const kernels::StopAsked& enough, Served& served) {
+  const std::size_t taken = enter_some(std::span(prepared_).subspan(entered_), prepared_round_, enough, served);
+  entered_ += taken;
+  if (entered_ < prepared_.size() && !served.is_full) {
+    to_prepare_ = std::max(taken, min_prepared);
+  } else {
+    to_prepare_ = std::min(2 * to_prepare_, max_prepared);
+    forget_prepared();
+  }
+}
+
 SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& requested, const Vec3d& eye,
                                        const kernels::StopAsked& enough, const Keep& keep) {
   finish_preparing();
   Served served;
+  const std::uint32_t round_before = allocator_.round();
   allocator_.begin_round(keep.used_since, !keep.all);
-  enter_all(prepared_, served);
-  prepared_.clear();
-  answers_.begin_pass(requested, pending_roots_, eye);
-  for (bool is_first = true; answers_.has_next() && !served.is_full; is_first = false) {
-    if (!is_first && enough && enough()) break;
-    enter_all(answers_.next_batch(), served);
+  enter_prepared(enough, served);
+  const auto is_over = [&] { return served.answers > 0 && enough && enough(); };
+  if (prepared_.empty() && !is_over()) {
+    answers_.begin_pass(requested, pending_roots_, eye);
+    while (answers_.has_next() && !served.is_full) {
+      enter_some(answers_.next_batch(), round_before, {}, served);
+      if (is_over()) break;
+    }
   }
   const auto changes = allocator_.take_changes();
   uploaded_bytes_ += sizeof(kernels::NodeChange) * changes.size();
@@ -254,7 +288,7 @@ bool SceneStream::advance_exchange(const kernels::StopAsked& enough) {
   uploads_ += exchange_->enter(*caster_);
   map_ = exchange_->take_map();
   answers_.forget_pages();  // they belong to the previous map
-  prepared_.clear();
+  forget_prepared();
   exchange_.reset();
   return true;
 }

@@ -64,14 +64,15 @@ class SceneStream {
   kernels::Caster& caster() { return *caster_; }
   const CellLayout& layout() const { return layout_; }
 
-  /// Answers the requests of rays (Caster::requested()) whose pages are resident, until `enough` returns true, but at
-  /// least one batch. Skips requests that were answered since, and requests whose pages are still missing. Requests all
-  /// missing pages from the pager. Near and coarse nodes come first; `eye` is in lod-0 voxels.
+  /// Enters prepared answers, then answers the requests of rays (Caster::requested()) whose pages are resident, until
+  /// `enough` returns true, but at least one batch of either. Skips requests that were answered since, and requests
+  /// whose pages are still missing. Requests all missing pages from the pager. Near and coarse nodes come first; `eye`
+  /// is in lod-0 voxels.
   Served serve(const std::vector<std::uint32_t>& requested, const Vec3d& eye, const kernels::StopAsked& enough,
                const Keep& keep);
 
-  /// Begins to answer requests on other threads, at least one batch. The next serve() ends this and enters the answers.
-  /// Meant for the time in which a GPU casts rays.
+  /// Begins to answer requests on other threads, at least one batch, unless answers still wait for their entry. The
+  /// next serve() ends this, and enters as many answers as its time allows. Meant for the time in which a GPU casts.
   void prepare(const std::vector<std::uint32_t>& requested, const Vec3d& eye);
 
   /// Returns how many of the requests were not answered yet.
@@ -131,7 +132,11 @@ class SceneStream {
   void finish_preparing();
   bool request_missing_pages();
   bool enter(RequestAnswer& answer);
-  void enter_all(std::span<RequestAnswer> answers, Served& served);
+  void enter_prepared(const kernels::StopAsked& enough, Served& served);
+  void forget_prepared();
+  std::size_t enter_some(std::span<RequestAnswer> answers, std::uint32_t round, const kernels::StopAsked& enough,
+                         Served& served);
+  void put_new_bricks();
   void remove_loaded_roots();
 
   const ThreadPool& policy_;
@@ -154,7 +159,9 @@ class SceneStream {
   std::uint64_t uploads_ = 0, uploaded_bytes_ = 0;
   std::optional<SceneExchange> exchange_;
   std::vector<PageKey> exchange_missing_;  ///< pages for which the exchange waits
-  std::vector<RequestAnswer> prepared_;    ///< answers that the next serve() enters
+  std::vector<RequestAnswer> prepared_;    ///< answers for the next serve(); the first entered_ are entered
+  std::size_t entered_ = 0, to_prepare_ = std::size_t(1) << 13;
+  std::uint32_t prepared_round_ = 0;  ///< round of the allocator before the answers were prepared
   std::atomic<bool> stops_preparing_{false};
   /// The answers in progress: other members must not be changed until they end. Destroyed first, which waits for them.
   std::future<void> preparing_;

@@ -1,5 +1,6 @@
 #include "viewer/stream/scene_stream.h"
 
+#include <array>
 #include <functional>
 #include <future>
 #include <gmock/gmock.h>
@@ -122,6 +123,39 @@ TEST(SceneStream, EntersPreparedAnswersIntoThePools) {
   Picture picture = blank_picture(64, 64, PictureLight::srgb);
   caster.resolve(to_cast(options.background), pixels_of(picture));
   EXPECT_EQ(picture.rgba, take(scene, options).rgba);
+}
+
+/// Regression of 2026-11-29: with two pages in memory, a view never became complete. Pages that waiting requests shared
+/// evicted each other, because nothing marked them as used.
+TEST(SceneStream, EntersPreparedAnswersInLaterFramesIfTimeRunsOut) {
+  const VoxelScene scene = wide_ground(64);
+  const ThreadPool pool(2);
+  SceneStream::Options little;
+  little.memory_bytes = 230000;
+  SceneStream stream(scene.paged(), scene.pages(), little, pool);
+  kernels::Caster& caster = stream.caster();
+  constexpr int edge = 150, rays = edge * edge;
+  std::vector<PictureOptions> views;
+  for (const std::array<double, 3>& eye : {std::array<double, 3>{-20, -20, 80}, {150, 20, 40}, {20, 160, 30}})
+    views.push_back(view(eye, {64, 64, 0}, edge));
+  std::uint64_t max_uploads = 0;
+  for (int frame = 0; frame < 90; ++frame) {
+    const kernels::CastCamera camera = make_camera(views[std::size_t(frame % 3)].camera, scene.paged());
+    caster.start(camera, {0, 0, edge, edge});
+    caster.cast(0, rays, true, {});
+    const std::vector<std::uint32_t> requested = caster.requested();
+    for (int time = 0; time < 2; ++time) {
+      stream.prepare(requested, camera.eye);
+      ASSERT_TRUE(stream.settle(std::chrono::seconds(30)));
+    }
+    const auto served = stream.serve(requested, camera.eye, [] { return true; }, {caster.pass(), false});
+    max_uploads = std::max(max_uploads, served.uploads);
+  }
+  EXPECT_GT(max_uploads, 0u);
+  EXPECT_LE(max_uploads, 64u) << "the answers that are entered between looks at the clock";
+  for (const PictureOptions& options : views)
+    EXPECT_EQ(render(stream, make_camera(options.camera, scene.paged()), options.background).rgba,
+              take(scene, options).rgba);
 }
 
 TEST(SceneStream, RefusesLessMemoryThanTheRootsTake) {
