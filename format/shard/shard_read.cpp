@@ -30,6 +30,23 @@ std::vector<std::uint8_t> read_bytes(const Hdf5File& file, const Hdf5Column& col
   return bytes;
 }
 
+/// Adds the message of the InputError that `check` throws, if it does.
+template <class Check>
+void add_fault(std::vector<std::string>& faults, const Check& check) {
+  try {
+    check();
+  } catch (const InputError& error) {
+    faults.emplace_back(error.what());
+  }
+}
+
+/// Checks that the table has the column with the shape and the chunks that HDF5 finds.
+void check_listed(const Hdf5File& file, const Hdf5Column& column, const ChunkTable& table) {
+  const ChunkedColumn* listed = table.find(column.name);
+  if (listed == nullptr || !IndexedColumn(file, column).matches(*listed))
+    file.fail("/chunks", "does not match the dataset " + column.name + "; bake the cell again");
+}
+
 }  // namespace
 
 std::vector<DirectionalCoverage> directional_coverage_of_rows(const std::vector<std::uint8_t>& bytes,
@@ -149,51 +166,27 @@ std::vector<Hdf5Column> ShardReader::all_columns() const {
 }
 
 std::vector<std::string> ShardReader::faults_of_chunk_table() const {
-  const std::string table_name = "/chunks", again = "; bake the cell again";
   std::vector<std::string> faults;
-  const auto guarded = [&](const auto& check) {
-    try {
-      check();
-    } catch (const InputError& error) {
-      faults.emplace_back(error.what());
-    }
-  };
-  guarded([&] {
+  add_fault(faults, [&] {
     const Hdf5File with_table = Hdf5File::open(path_, ChunkPlaces::by_table);
     const ChunkTable* table = with_table.chunk_table();
     if (table == nullptr) return;
     const std::vector<Hdf5Column> columns = all_columns();
-    for (const Hdf5Column& column : columns)
-      guarded([&] {
-        const ChunkedColumn* listed = table->find(column.name);
-        if (listed == nullptr || *listed != IndexedColumn(*file_, column).with_chunks())
-          file_->fail(table_name, "does not match the dataset " + column.name + again);
-      });
+    for (const Hdf5Column& column : columns) add_fault(faults, [&] { check_listed(*file_, column, *table); });
     if (table->names().size() != columns.size())
-      file_->fail(table_name, "lists " + pluralize(table->names().size(), "column") + " of " +
-                                  std::to_string(columns.size()) + again);
+      file_->fail("/chunks", "lists " + pluralize(table->names().size(), "column") + " of " +
+                                 std::to_string(columns.size()) + "; bake the cell again");
   });
   return faults;
 }
 
 std::vector<std::string> ShardReader::unreadable_columns() const {
   std::vector<std::string> faults;
-  const auto try_column = [&](const Hdf5Column& column) {
-    try {
-      std::vector<std::uint8_t> rows;
-      read_rows(*file_, column, rows);
-    } catch (const InputError& error) {
-      faults.emplace_back(error.what());
-    }
-  };
+  const auto try_column = [&](const Hdf5Column& column) { add_fault(faults, [&] { read_bytes(*file_, column); }); };
   for (const Hdf5Column& column : NodeColumns(version_).all(header_)) try_column(column);
   for (int lod = 0; lod < int(header_.lods); ++lod)
     for (const Hdf5Column& column : columns_of_level(lod)) try_column(column);
-  try {
-    above();
-  } catch (const InputError& error) {
-    faults.emplace_back(error.what());
-  }
+  add_fault(faults, [&] { above(); });
   return faults;
 }
 

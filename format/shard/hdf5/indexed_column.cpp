@@ -91,6 +91,12 @@ ChunkedColumn IndexedColumn::with_chunks() const {
   return all;
 }
 
+bool IndexedColumn::matches(const ChunkedColumn& listed) const {
+  ChunkedColumn shape = listed;
+  shape.chunks.clear();
+  return shape == shape_ && with_chunks() == listed;
+}
+
 std::uint64_t IndexedColumn::stored_bytes() const { return H5Dget_storage_size(set_.get()); }
 
 }  // namespace gigabake

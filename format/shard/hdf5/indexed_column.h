@@ -23,6 +23,9 @@ class IndexedColumn {
   ChunkPlace locate(std::uint64_t index) const;
   /// Returns the shape with all chunks.
   ChunkedColumn with_chunks() const;
+  /// Returns whether HDF5 finds the same shape and chunks.
+  /// Cost    Chunks are located only if the shape is the same, because a damaged shape can have any number of them.
+  bool matches(const ChunkedColumn& listed) const;
   /// Returns the stored size of all chunks in bytes.
   std::uint64_t stored_bytes() const;
 

@@ -227,5 +227,24 @@ TEST(ChunkTableOfAShard, IsComparedWithTheIndexes) {
   EXPECT_NE(faults[1].find("/chunks: does not match the dataset /nodes/child_mask"), std::string::npos) << faults[1];
 }
 
+TEST(ChunkTableOfAShard, IsNotComparedWithTheChunksOfADamagedShape) {
+  const made::TempFolder folder;
+  write_shard(folder / "s.h5", made::small_shard(), {});
+  const hid_t file = H5Fopen((folder / "s.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(H5Ldelete(file, "/nodes/lod", H5P_DEFAULT), 0);
+  const hsize_t rows = hsize_t(1) << 40, chunk = 1;
+  const hid_t space = H5Screate_simple(1, &rows, nullptr), properties = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(properties, 1, &chunk);
+  H5Pset_deflate(properties, 1);
+  H5Pset_fletcher32(properties);
+  const hid_t set = H5Dcreate2(file, "/nodes/lod", H5T_STD_U8LE, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+  ASSERT_GE(set, 0);
+  H5Dclose(set);
+  H5Fclose(file);
+  const std::vector<std::string> faults = ShardReader(folder / "s.h5").faults_of_chunk_table();
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_NE(faults[0].find("/chunks: does not match the dataset /nodes/lod"), std::string::npos) << faults[0];
+}
+
 }  // namespace
 }  // namespace gigabake
