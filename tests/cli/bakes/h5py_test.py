@@ -225,7 +225,7 @@ class ShardsByH5py(harness.FolderTest):
             with h5py.File(path) as shard, h5py.File(packed) as other:
                 self.assertIn("32004", other["lod_0/children"]._filters)
                 self.assertEqual(set(shard), set(other))
-                for group in shard:
+                for group in set(shard) - {"chunks"}:  # the places of chunks depend on the codec
                     for name in shard[group]:
                         numpy.testing.assert_array_equal(shard[group][name][:], other[group][name][:])
 
