@@ -61,8 +61,7 @@ ShardReader::ShardReader(const std::filesystem::path& path)
     : path_(path),
       file_(std::make_unique<const Hdf5File>(Hdf5File::open(path, ChunkPlaces::by_index))),
       header_(read_header(*file_)),
-      version_(read_version(*file_)),
-      above_hash_(read_above_hash(*file_)) {}
+      version_(read_version(*file_)) {}
 
 ShardReader::ShardReader(ShardReader&&) noexcept = default;
 ShardReader& ShardReader::operator=(ShardReader&&) noexcept = default;
@@ -101,7 +100,8 @@ CoarseLevels ShardReader::coarse_levels(int lod) const {
 }
 
 DownsampleState ShardReader::above() const {
-  if (!above_hash_) return {};
+  const auto hash = read_above_hash(*file_);
+  if (!hash) return {};
   const DownsampleStateColumns columns(int(header_.first_lod + header_.lods) - 1);
   DownsampleState above;
   read_rows(*file_, columns.place, above.place);
@@ -111,7 +111,7 @@ DownsampleState ShardReader::above() const {
   if (file_->has_column(columns.patch)) read_rows(*file_, columns.patch, above.patch);
   if (header_.has_classes) read_rows(*file_, columns.voxel_class, above.voxel_class);
   check_above(path_, header_, above);
-  if (hash_of(above) != *above_hash_) file_->fail("/above", "does not match above_hash");
+  if (hash_of(above) != *hash) file_->fail("/above", "does not match above_hash");
   return above;
 }
 
@@ -155,7 +155,7 @@ std::vector<Hdf5Column> ShardReader::all_columns() const {
   std::vector<Hdf5Column> all = NodeColumns(version_).all(header_);
   for (int lod = 0; lod < int(header_.lods); ++lod)
     for (Hdf5Column& column : columns_of_level(lod)) all.push_back(std::move(column));
-  if (!above_hash_) return all;
+  if (!read_above_hash(*file_)) return all;
   DownsampleStateColumns above(int(header_.first_lod + header_.lods) - 1);
   all.insert(all.end(), {above.place, above.rgba});
   if (header_.has_normals) all.push_back(above.normal);

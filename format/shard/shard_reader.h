@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,7 +63,6 @@ class ShardReader {
   std::unique_ptr<const Hdf5File> file_;
   ShardHeader header_;
   std::int32_t version_;
-  std::optional<Hash128> above_hash_;
 };
 
 }  // namespace gigabake

@@ -31,8 +31,8 @@ class PoolAllocator {
   }
   const kernels::CastNode& node(std::uint32_t node) const { return nodes_[node]; }
   FieldNode place_of(std::uint32_t node) const;
-  /// Returns whether the node's tile is in use and was allocated in round `round` or before. An answer
-  /// that was made after this round then belongs to the node. Tiles of roots count as allocated before.
+  /// Returns whether the node's tile is in use and was allocated in round `round` or before. An answer that was made
+  /// after this round then belongs to the node. Tiles of roots count as allocated before.
   bool is_settled(std::uint32_t node, std::uint32_t round) const;
   std::uint32_t round() const { return round_; }
 
