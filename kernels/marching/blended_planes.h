@@ -30,10 +30,11 @@ struct SurfaceBlend {
 GB_HD int coherence_of(const CastVoxel& voxel) { return unpack_plane(voxel.plane).coherence; }
 
 /// Returns the blend weight of a voxel's plane: coherence × mean coverage, 0 to 3. Planes of barely covered voxels are
-/// unreliable.
+/// unreliable. `covered` is the sum of the coverages, in 1/255.
+GB_HD float blend_weight(int coherence, int covered) { return float(coherence * covered * 257) * (1.0f / (3 * 65535)); }
+
 GB_HD float blend_weight(const CastVoxel& voxel) {
-  const int covered = (voxel.c[3] + voxel.c[4]) + voxel.c[5];
-  return float(coherence_of(voxel) * covered) * (1.0f / (3 * 65535));
+  return blend_weight(coherence_of(voxel), ((voxel.c[3] + voxel.c[4]) + voxel.c[5]) / 257);
 }
 
 /// A vector of three signed bytes x, y, z; the fourth byte is 0.
@@ -57,6 +58,10 @@ GB_HD std::int32_t dot(ByteVector a, ByteVector b) {
 #endif
 }
 
+GB_HD Vec3<int> components_of(ByteVector v) {
+  return {int(std::int8_t(v & 255)), int(std::int8_t(v >> 8 & 255)), int(std::int8_t(v >> 16 & 255))};
+}
+
 GB_HD Vec3<float> vector_of_normal(const CastVoxel& voxel) {
   return {float(voxel.normal[0]), float(voxel.normal[1]), float(voxel.normal[2])};
 }
@@ -71,19 +76,19 @@ struct BlendedPlanes {
 
 /// Tests whether the planes with these normals are within 12.9° of each other, whichever sides the normals point to. If
 /// all planes are this close to the first plane, so is the blended plane. Rounding to bytes turns the blended normal by
-/// less than half a degree. Each plane is therefore within 30° of the blended plane.
-GB_HD bool is_same_slope(ByteVector a, ByteVector b) {
-  const float along = float(dot(a, b)), all = float(dot(a, a)) * float(dot(b, b));
-  return along * along >= 0.95f * all;
+/// less than half a degree. Each plane is therefore within 30° of the blended plane. `along` is the dot product of the
+/// normals, `squared` the squared length of one normal, and `b` the other normal.
+GB_HD bool is_same_slope(float along, float squared, ByteVector b) {
+  return along * along >= 0.95f * (squared * float(dot(b, b)));
 }
 
 /// Tests whether two normals belong to similar planes but point to opposite sides: their angle is at least 135°.
 /// Triangles of one surface may be wound differently. Normals at a crease of a surface are closer to each other.
-GB_HD bool are_opposite(ByteVector a, ByteVector b) {
-  const int along = dot(a, b);
-  if (along >= 0) return false;
-  return 2 * (float(along) * float(along)) >= float(dot(a, a)) * float(dot(b, b));
+GB_HD bool are_opposite(int along, float squared, ByteVector b) {
+  return (along < 0) & (2 * (float(along) * float(along)) >= squared * float(dot(b, b)));
 }
+
+GB_HD bool are_opposite(ByteVector a, ByteVector b) { return are_opposite(dot(a, b), float(dot(a, a)), b); }
 
 /// Blends the planes of the voxels. The point's position between the voxels is rounded to 1/127 voxel. The signed
 /// distance to a plane is then one dot product of bytes. Planes whose normals are opposite to `side` are turned, so
@@ -100,19 +105,22 @@ GB_HD BlendedPlanes blend_planes_by_voxel(const CastCorners& corners, ByteVector
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
     const int c = lowest_one(left);
-    const CastVoxel voxel = corners.stored(c);
-    bits |= voxel.plane;
-    const ByteVector n = normal_of(voxel);
+    const PackedVoxel voxel = corners.packed(c);
+    const int plane = int(plane_of(voxel)), coherence = plane & 3;
+    bits |= plane;
+    const ByteVector n = packed_normal(voxel);
     if (first == 0) first = n;
-    if (side == 0 && voxel.plane != 0) side = n;
-    is_flat = is_flat && is_fully_planar(voxel.plane) && is_same_slope(n, first);
+    if (side == 0 && plane != 0) side = n;
+    const float squared = float(dot(n, n));
+    is_flat = is_flat & (coherence == max_coherence) & is_same_slope(float(dot(n, first)), squared, first);
     const int along = dot(n, from_first) - dot(n, byte_vector(127 * (c & 1), 127 * (c >> 1 & 1), 127 * (c >> 2)));
-    const int above = 2 * max_offset * along - 127 * 127 * unpack_plane(voxel.plane).offset;
-    const bool is_turned = are_opposite(n, side);
-    is_mixed = is_mixed || is_turned;
-    const float by = corners.weight(c) * blend_weight(voxel), turned = is_turned ? -by : by;
+    const int above = 2 * max_offset * along - 127 * 127 * unpack_plane(std::uint8_t(plane)).offset;
+    const bool is_turned = are_opposite(dot(n, side), squared, side);
+    is_mixed = is_mixed | is_turned;
+    const float by = corners.weight(c) * blend_weight(coherence, coverage_sum(voxel)), turned = is_turned ? -by : by;
+    const Vec3<int> components = components_of(n);
     GB_UNROLL
-    for (int a = 0; a < 3; ++a) r.normal[a] += turned * float(voxel.normal[a]);
+    for (int a = 0; a < 3; ++a) r.normal[a] += turned * float(components[a]);
     r.weight += by;
     r.above += turned * float(above);
   }
@@ -120,9 +128,7 @@ GB_HD BlendedPlanes blend_planes_by_voxel(const CastCorners& corners, ByteVector
   return {r, bits, is_flat, is_mixed};
 }
 
-GB_HD Vec3<float> components(ByteVector v) {
-  return Vec3<float>::by_axis([&](int a) { return float(std::int8_t(v >> 8 * a & 255)); });
-}
+GB_HD Vec3<float> components(ByteVector v) { return static_cast<Vec3<float>>(components_of(v)); }
 
 #if defined(GB_HAS_TAP_VECTORS)
 /// Returns are_opposite() per lane. `squared` has the squared lengths of the normals.

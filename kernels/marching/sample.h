@@ -41,7 +41,7 @@ GB_HD CastPoint point_in_brick(const FixedPoint& at, int lod) {
 /// The interpolation taps of a point: the eight voxels around it. Tap x | y<<1 | z<<2 is the voxel at offset (x, y, z).
 /// The member `between` is the point's position between the taps.
 struct CastCorners {
-  const PackedVoxel* parts;
+  const PackedVoxel* voxels;  ///< the voxel pool, to which the indices of the windows refer
   LayerWindow low, high;
   Vec3<float> between;
 
@@ -52,9 +52,15 @@ struct CastCorners {
 
   /// Returns the voxel of a tap.
   /// Range   corner: a bit of there().
-  GB_HD CastVoxel stored(int corner) const {
-    const LayerWindow layer = corner < 4 ? low : high;
-    return unpack_voxel(load_packed(parts + layer.place((corner & 1) + slot_edge * (corner >> 1 & 1))));
+  GB_HD CastVoxel stored(int corner) const { return unpack_voxel(packed(corner)); }
+
+  /// Returns the packed voxel of a tap.
+  /// Range   corner: a bit of there().
+  GB_HD PackedVoxel packed(int corner) const {
+    const std::uint32_t low_row = (corner & 2) != 0 ? low.second : low.first,
+                        high_row = (corner & 2) != 0 ? high.second : high.first;
+    const std::uint32_t before = there() >> (corner & 6) & std::uint32_t(corner) & 1;  // the row's other tap
+    return load_packed(voxels + ((corner < 4 ? low_row : high_row) + before));
   }
 
   /// Returns the interpolation weight of a tap.
@@ -67,14 +73,16 @@ struct CastCorners {
 
 GB_HD CastCorners corners_of(const BrickView& brick, const CastPoint& point) {
   const int at = point.base[0] + slot_edge * point.base[1];
-  return {brick.parts, window_of(load_layer(brick, point.base[2]), at),
-          window_of(load_layer(brick, point.base[2] + 1), at), point.between};
+  return {brick.voxels, load_window(brick, point.base[2], at), load_window(brick, point.base[2] + 1, at),
+          point.between};
 }
 
 /// Tests whether the field is zero at the point. Reads no layer if the field is zero in the point's whole block.
 /// `blocks` is the brick's CastHead::blocks.
 GB_HD bool is_zero(std::uint64_t blocks, const BrickView& brick, const CastPoint& point) {
-  return is_empty_block(blocks, point.base.v) || corners_of(brick, point).there() == 0;
+  const int at = point.base[0] + slot_edge * point.base[1];
+  return is_empty_block(blocks, point.base.v) ||
+         (load_two_by_two(brick, point.base[2], at) | load_two_by_two(brick, point.base[2] + 1, at)) == 0;
 }
 
 }  // namespace gigabake::kernels

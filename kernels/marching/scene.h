@@ -72,7 +72,7 @@ struct CastScene {
   GB_HD CastNode node_of(NodeWord word) const {
     return leads_on(word) ? CastNode{word, parent_bricks[word]} : unpack_leaf(word);
   }
-  GB_HD BrickView brick(const CastHead& head) const { return {head.layers, voxels + head.first}; }
+  GB_HD BrickView brick(const CastHead& head) const { return {head.layers, head.first, voxels}; }
   GB_HD BrickView brick(std::uint32_t slot) const { return brick(load_head(heads + slot)); }
 };
 

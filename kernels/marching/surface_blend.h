@@ -72,6 +72,15 @@ GB_HD_NOINLINE TranslucentSurface translucent_surface_at(CastCorners corners, do
   return there > 0 ? TranslucentSurface{hidden / (there * 65535), across / there} : TranslucentSurface{};
 }
 
+/// Adds the voxel's channels, multiplied by `by`.
+GB_HD void add_voxel(const PackedVoxel& voxel, float by, CastSample& sum) {
+  GB_UNROLL
+  for (int k = 0; k < 3; ++k) {
+    sum.c[k] += by * float(radiance_channel(voxel, k));
+    sum.c[3 + k] += by * float(coverage_along(voxel, k));
+  }
+}
+
 /// Returns the interpolated voxels.
 GB_HD CastSample interpolate(const CastCorners& corners) {
 #if defined(GB_HAS_TAP_VECTORS)
@@ -83,10 +92,7 @@ GB_HD CastSample interpolate(const CastCorners& corners) {
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
     const int c = lowest_one(left);
-    const CastVoxel voxel = corners.stored(c);
-    const float by = corners.weight(c) * (1.0f / 65535);
-    GB_UNROLL
-    for (int k = 0; k < cast_channels; ++k) r.c[k] += by * voxel.c[k];
+    add_voxel(corners.packed(c), corners.weight(c) * (1.0f / 65535), r);
   }
   return r;
 #endif
@@ -129,14 +135,15 @@ GB_HD CastSample residual_sample(const CastCorners& corners, const SurfaceBlend&
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
     const int c = lowest_one(left);
-    const CastVoxel voxel = corners.stored(c);
-    if ((voxel.c[3] | voxel.c[4] | voxel.c[5]) == 0) continue;
+    const PackedVoxel voxel = corners.packed(c);
+    if (coverage_sum(voxel) == 0) continue;
     float by = corners.weight(c) * (1.0f / 65535);
     Vec3<float> along{1, 1, 1};
-    if (is_fully_planar(voxel.plane)) {
-      by *= disagreement(normal_of(voxel), normal);
+    if (is_fully_planar(std::uint8_t(plane_of(voxel)))) {
+      const ByteVector bytes = packed_normal(voxel);
+      by *= disagreement(bytes, normal);
       if (by == 0) continue;
-      const OctahedronPoint n{{voxel.normal[0], voxel.normal[1], voxel.normal[2]}};
+      const OctahedronPoint n{components_of(bytes)};
       const float maximum = float(max_component(n));
       GB_UNROLL
       for (int a = 0; a < 3; ++a) along[a] = std::fabs(float(n.c[a])) / maximum;
@@ -144,8 +151,8 @@ GB_HD CastSample residual_sample(const CastCorners& corners, const SurfaceBlend&
     const float mean = ((along[0] + along[1]) + along[2]) * (1.0f / 3);
     GB_UNROLL
     for (int k = 0; k < 3; ++k) {
-      r.c[k] += by * mean * voxel.c[k];
-      r.c[3 + k] += by * along[k] * voxel.c[3 + k];
+      r.c[k] += by * mean * float(radiance_channel(voxel, k));
+      r.c[3 + k] += by * along[k] * float(coverage_along(voxel, k));
     }
   }
   return r;
@@ -180,13 +187,18 @@ GB_HD NeighbourhoodSurface classify_neighbourhood(const CastCorners& corners, in
   return {PointKind::surface, planes.blend, planes.is_flat, brick_lod == 0 || brick_lod != ray_lod};
 }
 
+/// Returns true unless the blended surface represents all coverage around the point.
+GB_HD bool has_residual(const NeighbourhoodSurface& neighbourhood, bool is_covered) {
+  return !neighbourhood.is_flat || (neighbourhood.is_doubled && is_covered);
+}
+
 /// Returns the residual at a point. `neighbourhood` is the result of classify_neighbourhood(). `is_covered` is true if
 /// the ray has met coverage before. At lod 0, all coverage behind it is residual: a surface whose front part was
 /// composited as cubes stays opaque.
 GB_HD ResidualSample volumetric_residual(const CastCorners& corners, const NeighbourhoodSurface& neighbourhood,
                                          const Vec3d& direction, bool is_covered) {
+  if (!has_residual(neighbourhood, is_covered)) return {};
   const bool is_full = neighbourhood.is_doubled && is_covered;
-  if (neighbourhood.is_flat && !is_full) return {};
   if (neighbourhood.kind == PointKind::surface) {
     const CastSample residual = residual_sample(corners, neighbourhood.blend);
     return {is_full || (neighbourhood.is_doubled && residual.mean_coverage() > 0) ? interpolate(corners) : residual,
@@ -208,10 +220,9 @@ GB_HD CastSample surface_sample(const CastCorners& corners) {
   GB_NO_UNROLL
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
     const int c = lowest_one(left);
-    const CastVoxel voxel = corners.stored(c);
-    const float by = corners.weight(c) * blend_weight(voxel) * (1.0f / 65535);
-    GB_UNROLL
-    for (int k = 0; k < cast_channels; ++k) r.c[k] += by * voxel.c[k];
+    const PackedVoxel voxel = corners.packed(c);
+    const float weight = blend_weight(int(plane_of(voxel) & 3), coverage_sum(voxel));
+    add_voxel(voxel, corners.weight(c) * weight * (1.0f / 65535), r);
   }
   return r;
 #endif

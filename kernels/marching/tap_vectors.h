@@ -52,7 +52,7 @@ inline void sum_lanes(const TapFloats (&rows)[8], float (&sums)[8]) {
   std::memcpy(sums, &sum, sizeof sum);
 }
 
-/// The taps of a point. Lanes of missing taps hold the bits of any voxel or layer of the brick.
+/// The taps of a point. Lanes of missing taps hold the bits of any voxel or layer.
 struct TapVectors {
   TapInts is_there;  ///< all bits of a lane are set if the tap has a voxel
   TapInts word[3];   ///< the words of PackedVoxel
@@ -64,8 +64,8 @@ struct TapVectors {
     const TapInts bits{1, 2, 4, 8, 16, 32, 64, 128};
     is_there = ((TapInts{} + std::int32_t(there)) & bits) == bits;
     Quad half[2][3];
-    load_layer(corners.parts, corners.low, half[0]);
-    load_layer(corners.parts, corners.high, half[1]);
+    load_layer(corners.voxels, corners.low, half[0]);
+    load_layer(corners.voxels, corners.high, half[1]);
     for (int k = 0; k < 3; ++k) word[k] = __builtin_shufflevector(half[0][k], half[1][k], 0, 1, 2, 3, 4, 5, 6, 7);
     const float x = corners.between[0], y = corners.between[1], z = corners.between[2];
     const float lower_x = 1 - x, lower_y = 1 - y, lower_z = 1 - z;
@@ -119,11 +119,11 @@ struct TapVectors {
     return words;
   }
   /// Loads the words of a layer's four taps.
-  static void load_layer(const PackedVoxel* parts, const LayerWindow& layer, Quad (&words)[3]) {
+  static void load_layer(const PackedVoxel* voxels, const LayerWindow& layer, Quad (&words)[3]) {
     const std::uint32_t next_row = layer.bits >> slot_edge;
-    const PackedVoxel* const a = parts + ((layer.bits & 3) != 0 ? layer.first : 0);
+    const PackedVoxel* const a = voxels + ((layer.bits & 3) != 0 ? layer.first : 0);
     const PackedVoxel* const b = a + ((layer.bits & 3) == 3 ? 1 : 0);
-    const PackedVoxel* const c = parts + ((next_row & 3) != 0 ? layer.second : 0);
+    const PackedVoxel* const c = voxels + ((next_row & 3) != 0 ? layer.second : 0);
     const PackedVoxel* const d = c + ((next_row & 3) == 3 ? 1 : 0);
     words[0] =
         Quad{std::int32_t(a->word[0]), std::int32_t(b->word[0]), std::int32_t(c->word[0]), std::int32_t(d->word[0])};

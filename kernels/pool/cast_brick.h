@@ -41,10 +41,11 @@ inline constexpr std::uint32_t last_places_mask = (1u << last_places) - 1;
 inline constexpr int max_parts = slot_edge + slot_voxels;
 static_assert(max_parts < 1 << (32 - last_places));
 
-/// A brick for reading: the mask of its layers, and its parts.
+/// A brick for reading: the mask of its layers, and the voxel pool, in which its parts begin at index `first`. Indices
+/// of parts have 32 bits, because a device adds 64-bit indices in several instructions.
 struct BrickView {
-  std::uint32_t layers;
-  const PackedVoxel* parts;
+  std::uint32_t layers, first;
+  const PackedVoxel* voxels;
 };
 
 /// Returns the index of the lowest set bit.
@@ -89,13 +90,6 @@ struct LayerWindow {
   GB_HD bool has(int k) const { return (bits >> k & 1) != 0; }
   /// Returns four bits: for voxels 0 and 1, then for voxels slot_edge and slot_edge + 1.
   GB_HD std::uint32_t two_by_two() const { return (bits & 3) | (bits >> (slot_edge - 2) & 12); }
-  /// Returns the index of the part of voxel `k`.
-  /// Range   has(k) is true; `k` is 0, 1, slot_edge or slot_edge + 1.
-  GB_HD std::uint32_t place(int k) const {
-    const bool is_next_row = k >= slot_edge;
-    const std::uint32_t row = is_next_row ? bits >> slot_edge : bits;
-    return (is_next_row ? second : first) + (k == 1 || k == slot_edge + 1 ? row & 1 : 0);
-  }
 };
 
 /// Returns the window that begins at voxel `at` = x + 9y.
@@ -143,18 +137,45 @@ GB_HD PackedVoxel load_packed(const PackedVoxel* at) {
 #endif
 }
 
+/// Returns the index of layer z in the voxel pool.
+/// Range   The brick has the layer.
+GB_HD std::uint32_t layer_index(const BrickView& brick, int z) {
+  return brick.first + std::uint32_t(ones_in(brick.layers & ((1u << z) - 1)));
+}
+
 GB_HD CastLayer load_layer(const BrickView& brick, int z) {
   if ((brick.layers >> z & 1) == 0) return {};
-  const PackedVoxel part = load_packed(brick.parts + ones_in(brick.layers & ((1u << z) - 1)));
+  const PackedVoxel part = load_packed(brick.voxels + layer_index(brick, z));
   return {{part.word[0], part.word[1], part.word[2]}};
+}
+
+/// Returns the window of layer z that begins at voxel `at` = x + 9y. Its indices are indices of the voxel pool.
+GB_HD LayerWindow load_window(const BrickView& brick, int z, int at) {
+  LayerWindow window = window_of(load_layer(brick, z), at);
+  window.first += brick.first;
+  window.second += brick.first;
+  return window;
+}
+
+/// Returns LayerWindow::two_by_two() of layer z from voxel `at` on, without the indices of the voxels.
+GB_HD std::uint32_t load_two_by_two(const BrickView& brick, int z, int at) {
+  if ((brick.layers >> z & 1) == 0) return 0;
+  const std::uint32_t* const words = brick.voxels[layer_index(brick, z)].word;
+  const int word = at / 32, next = word < 2 ? word + 1 : 2;
+#if defined(__CUDA_ARCH__)
+  const std::uint32_t bits = __funnelshift_r(__ldg(words + word), __ldg(words + next), std::uint32_t(at));
+#else
+  const auto bits = std::uint32_t((words[word] | std::uint64_t(words[next]) << 32) >> at % 32);
+#endif
+  return (bits & 3) | (bits >> (slot_edge - 2) & 12);
 }
 
 /// Returns the voxel's coverage in a view along the axis, or 0 if the voxel does not exist. The value 65535 represents
 /// 1.
 /// Range   x, y and z are 0 … 8.
 GB_HD int coverage_at(const BrickView& brick, int x, int y, int z, int axis) {
-  const LayerWindow window = window_of(load_layer(brick, z), x + slot_edge * y);
-  return window.has(0) ? coverage_along(load_packed(brick.parts + window.first), axis) : 0;
+  const LayerWindow window = load_window(brick, z, x + slot_edge * y);
+  return window.has(0) ? coverage_along(load_packed(brick.voxels + window.first), axis) : 0;
 }
 
 }  // namespace gigabake::kernels

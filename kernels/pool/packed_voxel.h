@@ -58,6 +58,32 @@ GB_HD int coverage_along(const PackedVoxel& voxel, int axis) {
   return 257 * int((axis == 2 ? voxel.word[2] : voxel.word[1] >> (16 + 8 * axis)) & 255);
 }
 
+/// Returns channel `k` of the radiance, as CastVoxel::c.
+GB_HD int radiance_channel(const PackedVoxel& voxel, int k) {
+  return int((k == 1 ? voxel.word[0] >> 16 : voxel.word[k / 2]) & 65535);
+}
+
+/// Returns the sum of the coverages along the three axes, in 1/255.
+GB_HD int coverage_sum(const PackedVoxel& voxel) {
+  const std::uint32_t two = voxel.word[1] >> 16;
+#if defined(__CUDA_ARCH__)
+  return int(__dp4a(two, 0x101u, voxel.word[2] & 255));
+#else
+  return int((two & 255) + (two >> 8) + (voxel.word[2] & 255));
+#endif
+}
+
+/// Returns the voxel's plane byte.
+GB_HD std::uint32_t plane_of(const PackedVoxel& voxel) { return voxel.word[2] >> 24 & 127; }
+
+/// Returns the components of the voxel's normal in three signed bytes x, y, z; 0 if there is no normal.
+GB_HD std::uint32_t packed_normal(const PackedVoxel& voxel) {
+  const std::uint32_t two = voxel.word[2] >> 8 & 0xffff;
+  const int x = std::int8_t(two), y = std::int8_t(two >> 8), sign = int(voxel.word[2]) >> 31;
+  const int z = 127 - (x < 0 ? -x : x) - (y < 0 ? -y : y);
+  return x == no_normal ? 0 : two | (std::uint32_t((z ^ sign) - sign) & 255) << 16;
+}
+
 GB_HD CastVoxel unpack_voxel(const PackedVoxel& packed) {
   CastVoxel voxel;
   voxel.c[0] = std::uint16_t(packed.word[0] & 65535);

@@ -36,7 +36,7 @@ class Brick {
     }
     pack_brick(voxels, brick_);
   }
-  BrickView view() const { return {brick_.head.layers, brick_.parts.data()}; }
+  BrickView view() const { return {brick_.head.layers, 0, brick_.parts.data()}; }
 
  private:
   CastBrick brick_;

@@ -116,7 +116,7 @@ TEST(TapVectors, GiveTheBitsOfLoopsOverVoxels) {
   for (int i = 0; i < 400; ++i) {
     const CastBrick brick = bricks.next();
     for (int k = 0; k < 100; ++k) {
-      const CastCorners corners = corners_of({brick.head.layers, brick.parts.data()}, bricks.point());
+      const CastCorners corners = corners_of({brick.head.layers, 0, brick.parts.data()}, bricks.point());
       const ByteVector side = bricks.side();
       const BlendedPlanes loop = blend_planes_by_voxel(corners, side), lanes = blend_planes(corners, side);
       ASSERT_EQ(std::memcmp(&loop.blend, &lanes.blend, sizeof loop.blend), 0) << "corners " << corners.there();

@@ -56,7 +56,7 @@ bool has_field(const SlotVoxels& slot, const int from[3], int size) {
   return false;
 }
 
-BrickView view_of(const CastBrick& brick) { return {brick.head.layers, brick.parts.data()}; }
+BrickView view_of(const CastBrick& brick) { return {brick.head.layers, 0, brick.parts.data()}; }
 
 void expect_places(const SlotVoxels& slot, const CastBrick& brick, const CastPoint& point) {
   const CastCorners corners = corners_of(view_of(brick), point);
@@ -66,7 +66,7 @@ void expect_places(const SlotVoxels& slot, const CastBrick& brick, const CastPoi
     const int at[3] = {point.base[0] + (corner & 1), point.base[1] + (corner >> 1 & 1), point.base[2] + (corner >> 2)};
     ASSERT_EQ(layer.has(k), is_there(slot, at[0], at[1], at[2])) << at[0] << " " << at[1] << " " << at[2];
     if (!layer.has(k)) continue;
-    ASSERT_EQ(brick.parts[layer.place(k)].word[0], content_of(at[0], at[1], at[2]));
+    ASSERT_EQ(corners.packed(corner).word[0], content_of(at[0], at[1], at[2]));
   }
 }
 
