@@ -261,6 +261,11 @@ GB_HD_NOINLINE FoundCell look_for_cell(const CastScene& scene, std::int64_t x, s
   return found;
 }
 
+/// Returns CellFrame::low of a cell.
+GB_HD std::uint64_t low_of(const CastScene& scene, std::uint32_t cell) {
+  return std::uint64_t(scene.cells[cell].min[2] - scene.corner[2]) << fraction_bits;
+}
+
 /// Sets `frame` to the cell that holds the point, and returns true. If no cell holds the point, returns false and sets
 /// `exit_distance` to the exit distance from the empty space.
 GB_HD bool enter_cell(const CastScene& scene, const CastLine& line, const FixedPoint& point, CellFrame& frame,
@@ -273,7 +278,7 @@ GB_HD bool enter_cell(const CastScene& scene, const CastLine& line, const FixedP
   exit_distance = found.exit_distance;
   if (frame.cell == no_cell) return false;
   for (int a = 0; a < 2; ++a) frame.column[a] = std::uint32_t(point.bits[a] >> (fraction_bits + scene.cell_bits));
-  frame.low = std::uint64_t(scene.cells[frame.cell].min[2] - scene.corner[2]) << fraction_bits;
+  frame.low = low_of(scene, frame.cell);
   return true;
 }
 

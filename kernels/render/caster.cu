@@ -76,7 +76,7 @@ class CudaCaster final : public Caster {
         count_(heap_, 1),
         unfinished_(heap_, 1),
         downloads_(stream_.handle, pool),
-        rounds_(heap_, stream_.handle),
+        rounds_(heap_, stream_.handle, device),
         blend_(heap_, stream_.handle),
         light_(heap_, stream_.handle),
         scene_(scene) {

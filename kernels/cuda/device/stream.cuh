@@ -1,4 +1,4 @@
-/// Owner of a CUDA stream of one device.
+/// Owners of a CUDA stream and of a CUDA event.
 #pragma once
 
 #include <cstdint>
@@ -25,6 +25,16 @@ struct Stream {
   ~Stream() { cudaStreamDestroy(handle); }
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
+};
+
+/// An event of the current device, without times.
+struct Event {
+  cudaEvent_t handle = nullptr;
+
+  Event() { check_cuda(cudaEventCreateWithFlags(&handle, cudaEventDisableTiming), "cudaEventCreate"); }
+  ~Event() { cudaEventDestroy(handle); }
+  Event(const Event&) = delete;
+  Event& operator=(const Event&) = delete;
 };
 
 }  // namespace gigabake::kernels

@@ -65,7 +65,7 @@ int cast_with_restarts(const CastScene& scene, const CastCamera& camera, const C
     MarchState met;
     CastPath other;
     pass_surface<RayType::primary>(scene, camera, line, true, met, other, ray);
-    if (met.task != CastTask::seek) return hits + 1;
+    if (met.task != CastTask::find) return hits + 1;
   }
 }
 
