@@ -238,7 +238,7 @@ GB_HD void start_march(const CastScene& scene, const CastLine& line, bool is_cas
                        MarchState& march) {
   if (!is_cast || ray.lod < 0) return;
   march.task = CastTask::find;
-  march.points = level_points(scene, line, ray.lod);
+  begin_level(scene, line, ray.lod, march);
 }
 
 /// Continues the ray until it is finished (lod = -1) or waits for data. In a warp, a surface is composited only when

@@ -79,6 +79,7 @@ struct MarchState {
   CastTask task = CastTask::none;
   bool waits = false;         ///< SampleLocation::waits of the current brick
   LevelPoints points;         ///< the samples of the ray's level
+  double in_level_until = 0;  ///< level_until() of the ray's level
   CellFrame frame;            ///< the cell that was found last
   std::int32_t lod = 0;       ///< level of the brick that holds the sample
   double in_brick_until = 0;  ///< samples before this step lie in that brick; later samples may not
@@ -120,9 +121,16 @@ GB_HD double level_until(const CastScene& scene, const CastLine& line, int lod) 
   return (end - start) * steps_per_voxel(lod) - 1.5;
 }
 
+/// Sets the members that depend only on the ray's level.
+GB_HD void begin_level(const CastScene& scene, const CastLine& line, int lod, MarchState& march) {
+  march.points = level_points(scene, line, lod);
+  march.in_level_until = level_until(scene, line, lod);
+}
+
 /// Finishes the ray behind the scene, or switches it to the next level where that level begins. Returns true if either
 /// happened.
 GB_HD bool leaves_level(const CastScene& scene, const CastLine& line, MarchState& march, CastRay& ray) {
+  if (ray.step < march.in_level_until) return false;
   const double distance = point_distance(line, ray.lod, ray.step);
   const bool in_surface = ray.step == ray.past;
   // Test the level first: a step over empty space may end behind the scene, while the next level still has a surface
@@ -130,7 +138,7 @@ GB_HD bool leaves_level(const CastScene& scene, const CastLine& line, MarchState
   const double next_lod = in_surface ? lod_end(line, ray.lod) : lod_start(line, ray.lod + 1);
   if (ray.lod + 1 < scene.lods && distance >= next_lod && next_lod <= line.leave) {
     enter_next_lod(line, ray);
-    march.points = level_points(scene, line, ray.lod);
+    begin_level(scene, line, ray.lod, march);
     return true;
   }
   if (distance <= line.leave) return false;
@@ -161,7 +169,7 @@ GB_HD void enter_brick(const CastScene& scene, const CastLine& line, bool blocki
     if (!leaves_surface(march, ray)) ray.step = beyond;
     return;
   }
-  march.in_brick_until = smaller_of(beyond, level_until(scene, line, ray.lod));
+  march.in_brick_until = smaller_of(beyond, march.in_level_until);
   march.lod = place.lod;
   march.waits = place.waits;
   march.brick = place.brick;
