@@ -31,7 +31,7 @@ struct FrameStats {
   std::uint64_t requested = 0;  ///< bricks and node tiles (8 sibling nodes) that rays missed in this frame
   std::uint64_t uploads = 0;    ///< bricks and node tiles uploaded for this frame
   std::uint64_t pages_loading = 0;
-  std::uint64_t passes = 0;        ///< passes of rays over tiles; 0 for a frame in one pass
+  std::uint64_t passes = 0;        ///< passes of rays over tiles, or over the whole frame
   std::uint64_t page_waits = 0;    ///< waits for pages that were requested after the latest pass of rays
   std::uint64_t files_opened = 0;  ///< page and shard files that this renderer has opened so far
   std::uint64_t bytes_held = 0, bytes_allowed = 0;  ///< of pools and pages; bytes_allowed: UINT64_MAX means unbounded

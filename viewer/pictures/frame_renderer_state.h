@@ -245,24 +245,26 @@ struct FrameRenderer::State {
 
   /// Casts the view's rays. Rays that miss data wait for its upload within the time limit, then continue at the same
   /// sample. One frame can thus load several levels at about the cost of one cast. Afterwards coarser bricks replace
-  /// the data that is still missing.
+  /// the data that is still missing. If no time for uploads is left, they do so from the start, in one pass.
   void cast(const View& view, const kernels::CastCamera& camera, const PreviewLimits& limits, Picture& picture) {
     kernels::Caster& caster = stream->caster();
     const std::size_t rays = std::size_t(camera.width) * std::size_t(camera.height);
     std::future<Picture> blank = std::async(std::launch::async, blank_picture, camera.width, camera.height, view.light);
     caster.start(camera, {0, 0, camera.width, camera.height});
-    std::size_t waiting = caster.cast(0, rays, true, limits.stop);
+    const auto may_upload = [&] { return !starved && upload_s < limits.upload_s && !is_asked(limits.stop); };
+    const bool waits = may_upload();
+    std::size_t waiting = caster.cast(0, rays, waits, limits.stop);
     frame_pass = caster.pass();
-    while (waiting > 0 && !starved && upload_s < limits.upload_s && !is_asked(limits.stop)) {
+    while (waits && waiting > 0 && may_upload()) {
       requested = caster.requested();
       put_in_wanted(camera, limits);
       if (!put_in) break;
       waiting = caster.cast(0, rays, true, limits.stop);
     }
-    if (waiting > 0) caster.cast(0, rays, false, limits.stop);
-    requested = waiting > 0 ? caster.requested() : std::vector<std::uint32_t>();
+    if (waits && waiting > 0) caster.cast(0, rays, false, limits.stop);
+    requested = waits && waiting == 0 ? std::vector<std::uint32_t>() : caster.requested();
+    was_complete = waiting == 0 && requested.empty();
     const RenderSettings look = look_of(view);
-    was_complete = waiting == 0;
     if (look.blends_levels) {
       caster.start_blend();
       cast_more(camera, limits, [&](bool blocking) { return caster.cast_blend(0, rays, blocking, limits.stop); });
@@ -303,6 +305,7 @@ struct FrameRenderer::State {
     const auto start = Clock::now();
     const kernels::CastCamera camera = camera_of(view);
     const std::uint64_t uploads_before = stream->uploads();
+    const std::uint32_t passes_before = stream->caster().pass();
     Frame frame;
     upload_s = waited_s = 0;
     if (roots_first) wait_for_roots(camera, limits);
@@ -314,6 +317,7 @@ struct FrameRenderer::State {
     frame.stats.cast_s = frame.stats.total_s - frame.stats.upload_s;
     frame.stats.requested = requested.size();
     frame.stats.uploads = stream->uploads() - uploads_before;
+    frame.stats.passes = stream->caster().pass() - passes_before;
     frame.stats.complete = was_complete;
     tell(frame.stats);
     return frame;

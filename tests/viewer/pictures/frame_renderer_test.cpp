@@ -56,6 +56,22 @@ TEST(FrameRenderer, ComesToTheSamePictureWhateverTheWayThere) {
   EXPECT_EQ(draw_until_complete(far, last).picture.rgba, draw_until_complete(straight, last).picture.rgba);
 }
 
+// 2026-11-29: rays of a flight were cast twice per frame, first to wait for uploads for which there was no time.
+TEST(FrameRenderer, AFrameWithoutTimeForUploadsCastsItsRaysOnce) {
+  const VoxelScene scene = wide_ground(64);
+  const View view = looking({-20, -30, 60}, {128, 128, 0}, 60);
+  const Picture expected = renderer_of(scene, std::uint64_t(1) << 28).render_complete(view).picture;
+  FrameRenderer renderer = renderer_of(scene, std::uint64_t(1) << 28);
+  Frame frame;
+  for (int i = 0; i < 100000 && !frame.stats.complete; ++i) {
+    frame = renderer.draw(view, 0);
+    ASSERT_EQ(frame.stats.passes, 1u) << "frame " << i;
+  }
+  EXPECT_TRUE(frame.stats.complete);
+  EXPECT_EQ(frame.picture.rgba, expected.rgba);
+  EXPECT_EQ(frame.picture.depth, expected.depth);
+}
+
 TEST(FrameRenderer, OnADeviceComesToTheSamePictureWhateverTheWayThere) {
   const kernels::CudaDevices devices = kernels::cuda_devices();
   if (devices.usable.empty()) GTEST_SKIP() << "no GPU: " << devices.reason;
