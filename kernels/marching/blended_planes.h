@@ -33,6 +33,10 @@ GB_HD int coherence_of(const CastVoxel& voxel) { return unpack_plane(voxel.plane
 /// unreliable. `covered` is the sum of the coverages, in 1/255.
 GB_HD float blend_weight(int coherence, int covered) { return float(coherence * covered * 257) * (1.0f / (3 * 65535)); }
 
+GB_HD float blend_weight(const PackedVoxel& voxel) {
+  return blend_weight(unpack_plane(plane_of(voxel)).coherence, coverage_sum(voxel));
+}
+
 GB_HD float blend_weight(const CastVoxel& voxel) {
   return blend_weight(coherence_of(voxel), ((voxel.c[3] + voxel.c[4]) + voxel.c[5]) / 257);
 }
@@ -106,18 +110,18 @@ GB_HD BlendedPlanes blend_planes_by_voxel(const CastCorners& corners, ByteVector
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
     const int c = lowest_one(left);
     const PackedVoxel voxel = corners.packed(c);
-    const int plane = int(plane_of(voxel)), coherence = plane & 3;
+    const std::uint8_t plane = plane_of(voxel);
     bits |= plane;
     const ByteVector n = packed_normal(voxel);
     if (first == 0) first = n;
     if (side == 0 && plane != 0) side = n;
     const float squared = float(dot(n, n));
-    is_flat = is_flat & (coherence == max_coherence) & is_same_slope(float(dot(n, first)), squared, first);
+    is_flat = is_flat & is_fully_planar(plane) & is_same_slope(float(dot(n, first)), squared, first);
     const int along = dot(n, from_first) - dot(n, byte_vector(127 * (c & 1), 127 * (c >> 1 & 1), 127 * (c >> 2)));
-    const int above = 2 * max_offset * along - 127 * 127 * unpack_plane(std::uint8_t(plane)).offset;
+    const int above = 2 * max_offset * along - 127 * 127 * unpack_plane(plane).offset;
     const bool is_turned = are_opposite(dot(n, side), squared, side);
     is_mixed = is_mixed | is_turned;
-    const float by = corners.weight(c) * blend_weight(coherence, coverage_sum(voxel)), turned = is_turned ? -by : by;
+    const float by = corners.weight(c) * blend_weight(voxel), turned = is_turned ? -by : by;
     const Vec3<int> components = components_of(n);
     GB_UNROLL
     for (int a = 0; a < 3; ++a) r.normal[a] += turned * float(components[a]);

@@ -98,6 +98,18 @@ __device__ void do_task(CastTask next, const RayPass& pass, const CastLine& line
   }
 }
 
+/// Appends a ray that leaves its kernel to the list of its task, and stores its brick if another kernel needs it. All
+/// lanes of the warp must call this function.
+template <Stage stage>
+__device__ void append_to_lists(const RayPass& pass, bool leaves, std::uint32_t index, const MarchState& march,
+                                const RayLists& lists) {
+  if (leaves && (march.task == CastTask::pass || march.task == CastTask::residual)) hold_brick(pass, index, march);
+  append(leaves && (march.task == CastTask::find || march.task == CastTask::step), index, lists.find);
+  if (stage == Stage::find) append(leaves && march.task == CastTask::pass, index, lists.pass);
+  if (stage == Stage::pass) append(leaves && march.task == CastTask::residual, index, lists.residual);
+  append(leaves && march.task == CastTask::meet, index, lists.meet);
+}
+
 /// Starts the rays of a part of the tile, or continues them, in the stage `find`. Part p has blocks p, p + parts, ….
 /// Stores also rays that end at their start, because no other code initialises their entries.
 __global__ void __launch_bounds__(tile_threads, min_marching)
@@ -126,44 +138,13 @@ __global__ void __launch_bounds__(tile_threads, min_marching)
   } else if (is_marching) {
     keep_place(pass, index, march.task, ray);
   }
-  if (march.task == CastTask::pass) hold_brick(pass, index, march);
-  append(march.task == CastTask::pass, index, lists.pass);
-  append(march.task == CastTask::meet, index, lists.meet);
-}
-
-/// Stores a ray that leaves its kernel, and appends it to the list of its task. All lanes of the warp must call this
-/// function.
-template <Stage stage>
-__device__ void put_back(const RayPass& pass, bool leaves, std::uint32_t index, const MarchState& march, CastRay& ray,
-                         const RayLists& lists) {
-  if (leaves) {
-    if (stage == Stage::find)
-      keep_place(pass, index, march.task, ray);
-    else
-      keep(pass, index, march.task, ray);
-    if (march.task == CastTask::pass || march.task == CastTask::residual) hold_brick(pass, index, march);
-  }
-  append(leaves && (march.task == CastTask::find || march.task == CastTask::step), index, lists.find);
-  if (stage == Stage::find) append(leaves && march.task == CastTask::pass, index, lists.pass);
-  if (stage == Stage::pass) append(leaves && march.task == CastTask::residual, index, lists.residual);
-  append(leaves && march.task == CastTask::meet, index, lists.meet);
+  append_to_lists<Stage::find>(pass, is_marching, index, march, lists);
 }
 
 /// The rays that the warps of a kernel take from its list.
 struct Supply {
   RayList from;
   std::uint32_t* taken;  ///< entries that the kernel has taken
-
-  /// Takes an entry for each idle lane while there are any; `place` is then the lane's entry, possibly behind the last
-  /// one. Returns true if no entries are left. All lanes of the warp must call this function.
-  __device__ bool take(bool is_idle, std::uint32_t count, std::uint32_t& place) const {
-    const unsigned idle = __ballot_sync(0xffffffffu, is_idle ? 1 : 0), lane = threadIdx.x % 32;
-    std::uint32_t first = 0;
-    if (lane == 0) first = atomicAdd(taken, std::uint32_t(__popc(idle)));
-    first = __shfl_sync(0xffffffffu, first, 0);
-    place = first + std::uint32_t(__popc(idle & ((1u << lane) - 1)));
-    return first + std::uint32_t(__popc(idle)) >= count;
-  }
 };
 
 /// Executes one stage of the rays in a list. Warps take new rays for lanes whose rays need another stage.
@@ -189,16 +170,19 @@ __global__ void __launch_bounds__(tile_threads, min_marching)
     }
     const bool works = march.task == CastTask::step || march.task == first_task(stage);
     const bool is_idle = is_last || !works;
-    put_back<stage>(pass, has_ray && is_idle, index, march, ray, lists);
+    const bool leaves = has_ray && is_idle;
+    if (leaves && stage == Stage::find) keep_place(pass, index, march.task, ray);
+    if (leaves && stage != Stage::find) keep(pass, index, march.task, ray);
+    append_to_lists<stage>(pass, leaves, index, march, lists);
     if (is_last) return;
-    std::uint32_t place;
-    is_last = supply.take(is_idle, count, place);
+    const ListPlace place = take_place(is_idle, supply.taken);
+    is_last = place.end >= count;
     tasks = 0;
     if (!is_idle) continue;
-    has_ray = place < count;
+    has_ray = place.own < count;
     march.task = CastTask::none;
     if (!has_ray) continue;
-    index = supply.from.rays[place];
+    index = supply.from.rays[place.own];
     line = line_of(pass, index);
     ray = pass.rays[index];
     path.cell = no_cell;

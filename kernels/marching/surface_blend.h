@@ -139,7 +139,7 @@ GB_HD CastSample residual_sample(const CastCorners& corners, const SurfaceBlend&
     if (coverage_sum(voxel) == 0) continue;
     float by = corners.weight(c) * (1.0f / 65535);
     Vec3<float> along{1, 1, 1};
-    if (is_fully_planar(std::uint8_t(plane_of(voxel)))) {
+    if (is_fully_planar(plane_of(voxel))) {
       const ByteVector bytes = packed_normal(voxel);
       by *= disagreement(bytes, normal);
       if (by == 0) continue;
@@ -221,8 +221,7 @@ GB_HD CastSample surface_sample(const CastCorners& corners) {
   for (std::uint32_t left = corners.there(); left != 0; left &= left - 1) {
     const int c = lowest_one(left);
     const PackedVoxel voxel = corners.packed(c);
-    const float weight = blend_weight(int(plane_of(voxel) & 3), coverage_sum(voxel));
-    add_voxel(voxel, corners.weight(c) * weight * (1.0f / 65535), r);
+    add_voxel(voxel, corners.weight(c) * blend_weight(voxel) * (1.0f / 65535), r);
   }
   return r;
 #endif

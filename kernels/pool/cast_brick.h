@@ -167,7 +167,7 @@ GB_HD std::uint32_t load_two_by_two(const BrickView& brick, int z, int at) {
 #else
   const auto bits = std::uint32_t((words[word] | std::uint64_t(words[next]) << 32) >> at % 32);
 #endif
-  return (bits & 3) | (bits >> (slot_edge - 2) & 12);
+  return LayerWindow{bits, 0, 0}.two_by_two();
 }
 
 /// Returns the voxel's coverage in a view along the axis, or 0 if the voxel does not exist. The value 65535 represents

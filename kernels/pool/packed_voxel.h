@@ -74,7 +74,7 @@ GB_HD int coverage_sum(const PackedVoxel& voxel) {
 }
 
 /// Returns the voxel's plane byte.
-GB_HD std::uint32_t plane_of(const PackedVoxel& voxel) { return voxel.word[2] >> 24 & 127; }
+GB_HD std::uint8_t plane_of(const PackedVoxel& voxel) { return std::uint8_t(voxel.word[2] >> 24 & 127); }
 
 /// Returns the components of the voxel's normal in three signed bytes x, y, z; 0 if there is no normal.
 GB_HD std::uint32_t packed_normal(const PackedVoxel& voxel) {
@@ -86,15 +86,13 @@ GB_HD std::uint32_t packed_normal(const PackedVoxel& voxel) {
 
 GB_HD CastVoxel unpack_voxel(const PackedVoxel& packed) {
   CastVoxel voxel;
-  voxel.c[0] = std::uint16_t(packed.word[0] & 65535);
-  voxel.c[1] = std::uint16_t(packed.word[0] >> 16);
-  voxel.c[2] = std::uint16_t(packed.word[1] & 65535);
-  for (int a = 0; a < 3; ++a) voxel.c[3 + a] = std::uint16_t(coverage_along(packed, a));
-  voxel.plane = std::uint8_t(packed.word[2] >> 24 & 127);
-  const int x = std::int8_t(packed.word[2] >> 8 & 255), y = std::int8_t(packed.word[2] >> 16 & 255);
-  if (x == no_normal) return voxel;
-  const int z = 127 - (x < 0 ? -x : x) - (y < 0 ? -y : y);
-  voxel.normal = {std::int8_t(x), std::int8_t(y), std::int8_t((packed.word[2] >> 31) != 0 ? -z : z)};
+  const std::uint32_t normal = packed_normal(packed);
+  for (int a = 0; a < 3; ++a) {
+    voxel.c[a] = std::uint16_t(radiance_channel(packed, a));
+    voxel.c[3 + a] = std::uint16_t(coverage_along(packed, a));
+    voxel.normal[a] = std::int8_t(normal >> 8 * a & 255);
+  }
+  voxel.plane = plane_of(packed);
   return voxel;
 }
 

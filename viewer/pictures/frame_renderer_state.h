@@ -255,7 +255,7 @@ struct FrameRenderer::State {
     const bool waits = may_upload();
     std::size_t waiting = caster.cast(0, rays, waits, limits.stop);
     frame_pass = caster.pass();
-    while (waits && waiting > 0 && may_upload()) {
+    while (waiting > 0 && may_upload()) {
       requested = caster.requested();
       put_in_wanted(camera, limits);
       if (!put_in) break;

@@ -13,10 +13,6 @@ constexpr std::size_t bytes_per_piece = 1u << 22, bytes_per_thread = 1u << 18;
 
 }  // namespace
 
-DownloadRing::~DownloadRing() {
-  for (cudaEvent_t arrival : arrivals_) cudaEventDestroy(arrival);
-}
-
 std::vector<DownloadRing::Piece> DownloadRing::pieces_of(std::span<const Part> parts) {
   std::size_t bytes = 0;
   for (const Part& part : parts) bytes += part.bytes;
@@ -33,12 +29,8 @@ std::vector<DownloadRing::Piece> DownloadRing::pieces_of(std::span<const Part> p
 }
 
 cudaEvent_t DownloadRing::arrival_of(std::size_t piece) {
-  if (piece == arrivals_.size()) {
-    cudaEvent_t made = nullptr;
-    check_cuda(cudaEventCreateWithFlags(&made, cudaEventDisableTiming), "cudaEventCreate");
-    arrivals_.push_back(made);
-  }
-  return arrivals_[piece];
+  if (piece == arrivals_.size()) arrivals_.emplace_back();
+  return arrivals_[piece].handle;
 }
 
 void DownloadRing::bring(std::span<const Part> parts) {
@@ -50,7 +42,7 @@ void DownloadRing::bring(std::span<const Part> parts) {
   }
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Piece& piece = pieces[i];
-    wait_for(arrivals_[i], "cudaEventSynchronize");
+    wait_for(arrivals_[i].handle, "cudaEventSynchronize");
     pool_.parallel_for(piece.bytes, bytes_per_thread, [&](std::size_t begin, std::size_t end, int) {
       std::memcpy(piece.host + begin, piece.arrived + begin, end - begin);
     });

@@ -3,11 +3,13 @@
 
 #include <cstddef>
 #include <cuda_runtime.h>
+#include <deque>
 #include <span>
 #include <vector>
 
 #include "core/base/thread_pool.h"
 #include "kernels/cuda/device/pinned.cuh"
+#include "kernels/cuda/device/stream.cuh"
 
 namespace gigabake::kernels {
 
@@ -23,7 +25,6 @@ class DownloadRing {
 
   /// Borrows the pool.
   DownloadRing(cudaStream_t stream, const ThreadPool& pool) : stream_(stream), pool_(pool) {}
-  ~DownloadRing();
   DownloadRing(const DownloadRing&) = delete;
   DownloadRing& operator=(const DownloadRing&) = delete;
 
@@ -44,7 +45,7 @@ class DownloadRing {
   cudaStream_t stream_;
   const ThreadPool& pool_;
   PinnedBuffer room_;
-  std::vector<cudaEvent_t> arrivals_;  ///< [piece]
+  std::deque<Event> arrivals_;  ///< [piece]
 };
 
 }  // namespace gigabake::kernels

@@ -2,23 +2,15 @@
 
 namespace gigabake::kernels {
 
-UploadRing::UploadRing(DeviceHeap& heap) : heap_(heap) {
-  for (Part& part : parts_)
-    check_cuda(cudaEventCreateWithFlags(&part.copied, cudaEventDisableTiming), "cudaEventCreate");
-}
-
 UploadRing::~UploadRing() {
-  for (const Part& part : parts_) {
-    cudaEventSynchronize(part.copied);  // the device may still read the buffers
-    cudaEventDestroy(part.copied);
-  }
+  for (const Part& part : parts_) cudaEventSynchronize(part.copied.handle);  // the device may still read the buffers
 }
 
 std::byte* UploadRing::reserve(std::size_t bytes) {
   turn_ = (turn_ + 1) % parts_.size();
   bytes_ = bytes;
   Part& part = parts_[turn_];
-  wait_for(part.copied, "cudaEventSynchronize");
+  wait_for(part.copied.handle, "cudaEventSynchronize");
   if (part.device.size() < bytes) part.device = DeviceArray<std::byte>(heap_, bytes + bytes / 2);
   return part.host.reserve(part.device.size());
 }
@@ -27,7 +19,7 @@ const std::byte* UploadRing::send() {
   Part& part = parts_[turn_];
   std::byte* const host = part.host.reserve(bytes_);
   upload_async(part.device.data(), host, bytes_, heap_.stream(), "cudaMemcpyAsync");
-  check_cuda(cudaEventRecord(part.copied, heap_.stream()), "cudaEventRecord");
+  check_cuda(cudaEventRecord(part.copied.handle, heap_.stream()), "cudaEventRecord");
   return part.device.data();
 }
 

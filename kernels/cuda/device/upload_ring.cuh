@@ -9,6 +9,7 @@
 
 #include "kernels/cuda/device/memory.cuh"
 #include "kernels/cuda/device/pinned.cuh"
+#include "kernels/cuda/device/stream.cuh"
 
 namespace gigabake::kernels {
 
@@ -16,7 +17,7 @@ namespace gigabake::kernels {
 /// host rarely waits.
 class UploadRing {
  public:
-  explicit UploadRing(DeviceHeap& heap);
+  explicit UploadRing(DeviceHeap& heap) : heap_(heap) {}
   ~UploadRing();
   UploadRing(const UploadRing&) = delete;
   UploadRing& operator=(const UploadRing&) = delete;
@@ -41,7 +42,7 @@ class UploadRing {
   struct Part {
     PinnedBuffer host;
     DeviceArray<std::byte> device;
-    cudaEvent_t copied = nullptr;
+    Event copied;
   };
 
   DeviceHeap& heap_;
