@@ -151,7 +151,7 @@ GB_HD void pass_point(const CastScene& scene, const CastCamera& camera, const Ca
     composite<ray_type>(residual.sample, residual.translucent, line, brick, steps, distance, camera, ray);
   ray.step += steps;
   if (is_residual_only || blend.weight > 0) ray.past = ray.step;
-  march.task = next_in_brick(ray, brick.lod == ray.lod && ray.step < march.in_brick_until);
+  march.task = next_in_brick(ray, ray.step < march.in_brick_until);
 }
 
 /// Composites the surface that the ray hit at ray.met. The ray then continues at its current sample, behind the

@@ -25,7 +25,7 @@ struct LevelSampler {
 
   GB_HD void look(const CastScene& scene, const CastLine& line, double distance, bool blocking, CastPath& path) {
     const FixedPoint at = points.at(line, lod, (distance - point_distance(line, lod, 0)) * steps_per_voxel(lod));
-    place = find_brick(scene, line, lod, at, blocking, frame, path);
+    place = find_brick(scene, line, points, lod, at, blocking, frame, path);
   }
   /// Returns the properties of the brick that holds the last sample.
   GB_HD BrickTraits traits() const { return {place.lod, frame.cell, place.waits}; }

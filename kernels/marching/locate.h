@@ -12,6 +12,7 @@
 #include "core/octree/brick.h"
 #include "core/octree/morton.h"
 #include "kernels/marching/fixed_point.h"
+#include "kernels/marching/node_exits.h"
 #include "kernels/marching/scene.h"
 #include "kernels/marching/voxel_space.h"
 
@@ -162,9 +163,11 @@ struct SampleLocation {
   /// and y, in the cell for z.
   FixedPoint at;
   std::uint32_t brick = empty_ref;  ///< slot; empty_ref: the field of this level is zero
-  /// The distance along the ray within which the result is the same, lod-0 voxels. Unset for a brick of the requested
-  /// level, whose result applies to its whole node.
+  /// The distance along the ray within which the result is the same, lod-0 voxels. Set if there is no brick.
   float exit_distance = 0;
+  /// The step of the first sample for which the result may differ; the same for all samples before it. Set for a brick
+  /// of a coarser level.
+  double exit_step = no_exit;
   std::int32_t lod = 0;  ///< level of the brick: the requested level, or a coarser level if that is not resident
   bool waits = false;    ///< finer data was requested and will become resident
 };
@@ -282,14 +285,6 @@ GB_HD bool enter_cell(const CastScene& scene, const CastLine& line, const FixedP
   return true;
 }
 
-/// Returns the distance along the ray from a point to the exit of its node of level `lod`, in lod-0 voxels.
-GB_HD float exit_distance_node(const CastLine& line, const FixedPoint& point, int lod) {
-  Vec3<float> exit_distance;
-  GB_UNROLL
-  for (int a = 0; a < 3; ++a) exit_distance[a] = distance_to_side(line, a, point.in_node(a, lod), node_mask + 1);
-  return min_of(exit_distance) * short_power_of_two(lod - fraction_bits);
-}
-
 /// Returns the exit distance, in lod-0 voxels, from the empty node at which a descent for level `of` ended. The
 /// distance extends over empty siblings that the ray enters next. It also extends beyond the node's upper sides,
 /// because the field is zero up to the next voxel centre of level `of`. In a scene with leaves it does not: the coarser
@@ -329,8 +324,6 @@ GB_HD float exit_distance_empty(const CastScene& scene, const CastLine& line, co
   return min_of(exit_distance) * short_power_of_two(at.lod - fraction_bits);
 }
 
-GB_HD float smaller_of(float a, float b) { return a < b ? a : b; }
-
 /// Converts fixed-point coordinates from level `from` to level `to`. Each level's origin is its lowest voxel centre.
 GB_HD void count_for_level(int from, int to, FixedPoint& point) {
   const std::uint64_t higher = (std::uint64_t(fixed_one) << to >> 1) - (std::uint64_t(fixed_one) << from >> 1);
@@ -342,8 +335,9 @@ GB_HD void count_for_level(int from, int to, FixedPoint& point) {
 /// true instead. `frame` is the cell that is tried first, and receives the cell that was found. `path` must stem from
 /// the current pass.
 /// Cost    One dependent load per level below the deepest node shared with `path`; one more descent per missing level.
-GB_HD_INLINED SampleLocation find_brick(const CastScene& scene, const CastLine& line, int lod, const FixedPoint& point,
-                                        bool blocking, CellFrame& frame, CastPath& path) {
+GB_HD_INLINED SampleLocation find_brick(const CastScene& scene, const CastLine& line, const LevelPoints& points,
+                                        int lod, const FixedPoint& point, bool blocking, CellFrame& frame,
+                                        CastPath& path) {
   SampleLocation place;
   FixedPoint at = point;
   float within = 1e30f;  // exit distance from the nodes at which descents for finer levels ended
@@ -366,11 +360,13 @@ GB_HD_INLINED SampleLocation find_brick(const CastScene& scene, const CastLine& 
     if (blocking && place.waits) return place;
     if (end.lod == place.lod && is_resident(node.brick)) {
       place.brick = node.brick;
-      if (place.lod != lod) place.exit_distance = smaller_of(exit_distance_node(line, place.at, place.lod), within);
+      if (place.lod != lod)
+        place.exit_step = smaller_of(exit_step_node(line, points, lod, point, place.at, place.lod), place.exit_step);
       touch(scene.feedback.slot_used + place.brick, scene.pass);
       return place;
     }
     within = smaller_of(exit_distance_node(line, place.at, end.lod), within);
+    place.exit_step = smaller_of(exit_step_node(line, points, lod, point, place.at, end.lod), place.exit_step);
     if (place.lod == scene.lods - 1) {  // the root is not resident either
       place.exit_distance = within;
       return place;

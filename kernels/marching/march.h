@@ -49,9 +49,8 @@ GB_HD void enter_next_lod(const CastLine& line, CastRay& ray) {
 
 /// Returns the number of the ray's steps to its next sample in a coarser brick. The next sample is half a voxel of the
 /// brick ahead, unless the brick or the ray's level ends before. `beyond` is the step of the first sample that may lie
-/// outside the brick, seen from `step`: the next sample must not depend on where the ray entered the brick, because a
-/// ray continues in other passes, and on a device after each hit. The function is not inlined, because such bricks are
-/// rare.
+/// outside the brick. It must not depend on where the ray entered the brick, because a ray continues in other passes,
+/// and on a device after each hit. The function is not inlined, because such bricks are rare.
 GB_HD_NOINLINE double steps_in_coarser(double lod1_distance, int brick_lod, int lod, double step, double beyond) {
   CastLine line;
   line.lod1_distance = lod1_distance;
@@ -155,16 +154,17 @@ GB_HD void enter_brick(const CastScene& scene, const CastLine& line, bool blocki
   march.in_brick_until = -1;
   if (leaves_level(scene, line, march, ray)) return;
   const FixedPoint at = march.points.at(line, ray.lod, ray.step);
-  const SampleLocation place = find_brick(scene, line, ray.lod, at, blocking, march.frame, path);
+  const SampleLocation place = find_brick(scene, line, march.points, ray.lod, at, blocking, march.frame, path);
   if (place.waits && blocking) {
     march.task = CastTask::none;
     return;
   }
   const bool is_brick = is_resident(place.brick);
-  const bool is_own_level = is_brick && place.lod == ray.lod;
   const double beyond =
-      ray.step + steps_within(is_own_level ? exit_distance_node(line, place.at, place.lod) : place.exit_distance,
-                              short_power_of_two(1 - ray.lod));
+      is_brick && place.lod != ray.lod
+          ? place.exit_step
+          : ray.step + steps_within(is_brick ? exit_distance_node(line, place.at, place.lod) : place.exit_distance,
+                                    short_power_of_two(1 - ray.lod));
   if (!is_brick) {
     if (!leaves_surface(march, ray)) ray.step = beyond;
     return;
@@ -200,11 +200,10 @@ GB_HD void step_in_brick(const CastScene& scene, const CastLine& line, MarchStat
   if (leaves_surface(march, ray)) return;
   if (march.lod != ray.lod) {
     ray.step += steps_in_coarser(line.lod1_distance, march.lod, ray.lod, ray.step, march.in_brick_until);
-    march.task = CastTask::find;
-    return;
+  } else {
+    const Vec3<std::uint32_t> u{at.in_node(0, march.lod), at.in_node(1, march.lod), at.in_node(2, march.lod)};
+    ray.step += steps_within(exit_distance_empty_part(march.head.blocks, line, u), 2.0f / fixed_one);
   }
-  const Vec3<std::uint32_t> u{at.in_node(0, march.lod), at.in_node(1, march.lod), at.in_node(2, march.lod)};
-  ray.step += steps_within(exit_distance_empty_part(march.head.blocks, line, u), 2.0f / fixed_one);
   if (!(ray.step < march.in_brick_until)) march.task = CastTask::find;
 }
 

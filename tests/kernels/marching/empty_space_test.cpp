@@ -92,8 +92,8 @@ CastLine random_tree_line(std::mt19937_64& random) {
 bool is_empty(const RandomTree& tree, const CastLine& line, double step) {
   CellFrame frame;
   CastPath path;
-  const FixedPoint at = level_points(tree.scene, line, 0).at(line, 0, step);
-  return !is_resident(find_brick(tree.scene, line, 0, at, true, frame, path).brick);
+  const LevelPoints points = level_points(tree.scene, line, 0);
+  return !is_resident(find_brick(tree.scene, line, points, 0, points.at(line, 0, step), true, frame, path).brick);
 }
 
 /// Returns a line along a diagonal of x and y that advances equally along both axes. Its points are within a few
@@ -119,7 +119,7 @@ void expect_empty(const RandomTree& tree, const CastLine& line, Leaps& leaps) {
   CellFrame frame;
   CastPath path;
   for (double step = 0; step < 2 << cell_bits;) {
-    const SampleLocation place = find_brick(tree.scene, line, 0, points.at(line, 0, step), true, frame, path);
+    const SampleLocation place = find_brick(tree.scene, line, points, 0, points.at(line, 0, step), true, frame, path);
     const bool is_brick = is_resident(place.brick);
     ASSERT_EQ(is_brick, !is_empty(tree, line, step)) << "at " << step;
     const double steps = is_brick ? 1 : steps_within(place.exit_distance, 2);
