@@ -67,6 +67,22 @@ TEST(WaitingRequests, WaitAgainForOtherPages) {
   EXPECT_FALSE(pass.requests.waits(7, 1));
 }
 
+TEST(WaitingRequests, WaitForThePagesThatTheyLackedLast) {
+  Pass pass;
+  pass.requests.add(7, 1, {block_page(1)});
+  pass.requests.add(8, 1, {block_page(1)});
+  pass.requests.add(7, 1, {block_page(2)});
+  pass.load({block_page(1)});
+  EXPECT_FALSE(pass.requests.waits(8, 1));
+  EXPECT_TRUE(pass.requests.waits(7, 1));
+  pass.requests.add(9, 1, {block_page(3)});  // uses the entry of the first group again
+  EXPECT_TRUE(pass.requests.waits(9, 1));
+  EXPECT_FALSE(pass.requests.waits(8, 1));
+  pass.load({block_page(2)});
+  EXPECT_FALSE(pass.requests.waits(7, 1));
+  EXPECT_TRUE(pass.requests.waits(9, 1));
+}
+
 TEST(WaitingRequests, NameThePagesOfThisPassByTheirMinRank) {
   Pass pass;
   pass.requests.add(1, 30, {block_page(3)});

@@ -7,8 +7,7 @@
 namespace gigabake {
 namespace {
 
-/// The maximum number of entries before all requests are released, because released groups and obsolete requests keep
-/// their entries.
+/// The maximum number of entries before all requests are released, because obsolete requests keep their entries.
 constexpr std::size_t max_groups = std::size_t(1) << 16, max_waiting = std::size_t(1) << 20;
 
 bool is_loaded(const Pager& pager, const std::vector<PageKey>& pages) {
@@ -20,8 +19,19 @@ bool is_loaded(const Pager& pager, const std::vector<PageKey>& pages) {
 
 void WaitingRequests::clear() {
   groups_.clear();
+  released_.clear();
   group_of_pages_.clear();
   group_of_request_.clear();
+}
+
+/// Forgets the group's requests. If all of them were forgotten together later, one pass would take much longer.
+void WaitingRequests::release(std::uint32_t number) {
+  for (const std::uint32_t request : groups_[number].requests) {
+    const auto found = group_of_request_.find(request);
+    if (found != group_of_request_.end() && found->second == number) group_of_request_.erase(found);
+  }
+  groups_[number] = {};
+  released_.push_back(number);
 }
 
 void WaitingRequests::begin_pass(const Pager& pager) {
@@ -30,7 +40,7 @@ void WaitingRequests::begin_pass(const Pager& pager) {
     Group& group = groups_[at->second];
     group.rank = no_rank;
     if (is_loaded(pager, group.pages)) {
-      group.pages.clear();
+      release(at->second);
       at = group_of_pages_.erase(at);
     } else {
       ++at;
@@ -42,7 +52,6 @@ bool WaitingRequests::waits(std::uint32_t request, std::uint64_t rank) {
   const auto found = group_of_request_.find(request);
   if (found == group_of_request_.end()) return false;
   Group& group = groups_[found->second];
-  if (group.pages.empty()) return false;
   const std::atomic_ref<std::uint64_t> min_rank(group.rank);
   for (std::uint64_t before = min_rank.load(std::memory_order_relaxed); rank < before;)
     if (min_rank.compare_exchange_weak(before, rank, std::memory_order_relaxed)) break;
@@ -53,11 +62,21 @@ void WaitingRequests::add(std::uint32_t request, std::uint64_t rank, std::vector
   std::ranges::sort(missing);
   const auto duplicates = std::ranges::unique(missing);
   missing.erase(duplicates.begin(), duplicates.end());
-  const auto [at, is_new] = group_of_pages_.try_emplace(std::move(missing), std::uint32_t(groups_.size()));
-  if (is_new) groups_.push_back({at->first});
+  const std::uint32_t next = released_.empty() ? std::uint32_t(groups_.size()) : released_.back();
+  const auto [at, is_new] = group_of_pages_.try_emplace(std::move(missing), next);
+  if (is_new) {
+    if (released_.empty())
+      groups_.emplace_back();
+    else
+      released_.pop_back();
+    groups_[next].pages = at->first;
+  }
   Group& group = groups_[at->second];
   group.rank = std::min(group.rank, rank);
-  group_of_request_[request] = at->second;
+  const auto [entry, is_added] = group_of_request_.try_emplace(request, at->second);
+  if (!is_added && entry->second == at->second) return;
+  entry->second = at->second;
+  group.requests.push_back(request);
 }
 
 std::vector<PageKey> WaitingRequests::pages_by_urgency() const {

@@ -40,12 +40,15 @@ class WaitingRequests {
 
   struct Group {
     std::vector<PageKey> pages;    ///< sorted, without duplicates; empty: released
-    std::uint64_t rank = no_rank;  ///< the smallest rank of its requests in this pass; accessed atomically by waits()
+    std::uint64_t rank = no_rank;  ///< the smallest rank of its requests in this pass; waits() sets it atomically
+    std::vector<std::uint32_t> requests;  ///< that were added to the group
   };
 
+  void release(std::uint32_t number);
+
   std::vector<Group> groups_;
+  std::vector<std::uint32_t> released_;                           ///< numbers of groups_ for new groups
   std::map<std::vector<PageKey>, std::uint32_t> group_of_pages_;  ///< of groups that are not released
-  /// The group of each request that was added. A group that was released since does not matter.
   std::unordered_map<std::uint32_t, std::uint32_t> group_of_request_;
 };
 
