@@ -261,10 +261,11 @@ void RayRounds::cast_as(const RayPass& given, std::size_t begin, std::size_t end
                                                                        lists_of(parts_[p], 0));
     check_launch("find_in_tile");
   }
-  for (std::size_t round = 0; round < rounds; ++round)
+  std::size_t round = 0;
+  for (; round < min_rounds || (round < max_rounds && has_long_list(round)); ++round)
     for (Part& part : parts_) cast_round<ray_type>(pass, blocks, round, part);
   for (Part& part : parts_) {
-    cast_listed<ray_type><<<blocks, tile_threads, 0, part.stream.handle>>>(pass, lists_of(part, rounds - 1).find);
+    cast_listed<ray_type><<<blocks, tile_threads, 0, part.stream.handle>>>(pass, lists_of(part, round - 1).find);
     check_launch("cast_listed");
     check_cuda(cudaEventRecord(part.done.handle, part.stream.handle), "cudaEventRecord");
     check_cuda(cudaStreamWaitEvent(stream_, part.done.handle), "cudaStreamWaitEvent");
@@ -275,6 +276,16 @@ void RayRounds::make_lists(Part& part, std::size_t rays) {
   for (DeviceArray<std::uint32_t>* list : {&part.find[0], &part.find[1], &part.pass, &part.residual, &part.meet})
     if (list->size() < rays) *list = DeviceArray<std::uint32_t>(heap_, rays);
   part.counts.clear_to_zero();
+}
+
+/// Tests whether the list of a part has more rays than the last kernel works on at twice. Waits for the rounds before.
+bool RayRounds::has_long_list(std::size_t round) {
+  auto* const left = reinterpret_cast<std::uint32_t*>(left_.reserve(parts * sizeof(std::uint32_t)));
+  for (std::size_t p = 0; p < parts; ++p)
+    download_async(left + p, &parts_[p].counts.data()[round].find, sizeof left[p], parts_[p].stream.handle,
+                   "cudaMemcpyAsync");
+  for (const Part& part : parts_) check_cuda(cudaStreamSynchronize(part.stream.handle), "cudaStreamSynchronize");
+  return *std::max_element(left, left + parts) > 2 * multiprocessors_ * min_casting * tile_threads;
 }
 
 /// Returns the lists that a round fills. Its rays with the task `find` belong to the next round.

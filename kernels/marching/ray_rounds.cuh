@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include "kernels/cuda/device/memory.cuh"
+#include "kernels/cuda/device/pinned.cuh"
 #include "kernels/cuda/device/stream.cuh"
 #include "kernels/marching/cast.h"
 #include "kernels/marching/ray_list.cuh"
@@ -52,8 +53,9 @@ class RayRounds {
   void cast(const RayPass& pass, std::size_t begin, std::size_t end);
 
  private:
-  /// Few rays alternate more often between bricks and surfaces; one kernel finishes these rays.
-  static constexpr std::size_t rounds = 7;
+  /// Few rays alternate more often between bricks and surfaces; one kernel finishes these rays. If many rays are left,
+  /// further rounds are faster: rays in coarser bricks need one per level.
+  static constexpr std::size_t min_rounds = 7, max_rounds = 28;
   /// Parts of the tile that are cast at the same time. The multiprocessors that the last rays of one part leave idle do
   /// work of the other part.
   static constexpr std::size_t parts = 2;
@@ -63,7 +65,7 @@ class RayRounds {
     std::uint32_t find, pass, residual, meet, found, passed, composited;
   };
   struct Part {
-    Part(DeviceHeap& heap, int device) : stream(device), counts(heap, rounds + 1) {}
+    Part(DeviceHeap& heap, int device) : stream(device), counts(heap, max_rounds + 1) {}
 
     Stream stream;
     Event done;
@@ -77,12 +79,14 @@ class RayRounds {
   RayLists lists_of(Part& part, std::size_t round) const;
   template <RayType ray_type>
   void cast_round(const RayPass& pass, unsigned blocks, std::size_t round, Part& part);
+  bool has_long_list(std::size_t round);
 
   DeviceHeap& heap_;
   cudaStream_t stream_;
   unsigned multiprocessors_ = 1;
   Event begun_;
   DeviceArray<HeldBrick> held_;
+  PinnedBuffer left_;  ///< per part the rays that are left after a round
   Part parts_[parts];
 };
 

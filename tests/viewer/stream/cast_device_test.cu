@@ -21,7 +21,7 @@ std::optional<Paint> rough_ball(std::int64_t x, std::int64_t y, std::int64_t z) 
 
 Picture draw(const VoxelScene& scene, const std::array<double, 3>& eye, std::uint64_t pool_bytes,
              std::optional<int> device, const std::optional<kernels::CastLighting>& light = {}, const Clip& clip = {},
-             const RenderSettings* look = nullptr, const kernels::CastPolygons& polygons = {}) {
+             const RenderSettings* look = nullptr, const kernels::CastPolygons& polygons = {}, int edge = 200) {
   const ThreadPool policy(2);
   SceneStream::Options options;
   options.light = light ? kernels::unlit() : afternoon_light();
@@ -29,7 +29,7 @@ Picture draw(const VoxelScene& scene, const std::array<double, 3>& eye, std::uin
   options.cuda_device = device;
   options.device_bytes = pool_bytes;
   SceneStream stream(scene.paged(), scene.pages(), options, policy);
-  CameraOptions wish = view(eye, {30, 31, 29.5}, 200).camera;
+  CameraOptions wish = view(eye, {30, 31, 29.5}, edge).camera;
   wish.clip = clip;
   kernels::CastCamera camera = make_camera(wish, scene.paged());
   if (!light) camera.haze = air(600, 1);
@@ -54,6 +54,19 @@ TEST(CastOnDevice, ReturnsTheSameBitsAsOnTheHostForAnyPool) {
       EXPECT_EQ(host.linear, device.linear) << pool;
     }
   }
+}
+
+TEST(CastOnDevice, ReturnsTheSameBitsWhereManyRaysNeedManyRounds) {
+  const kernels::CudaDevices devices = kernels::cuda_devices();
+  if (devices.usable.empty()) GTEST_SKIP() << "no GPU: " << devices.reason;
+  VoxelScene scene(32);
+  scene.add_cells(rough_ball, {0, 0, 0}, 64);
+  const auto drawn = [&](std::optional<int> device) {
+    return draw(scene, {32, 32, 32}, std::uint64_t(1) << 26, device, {}, {}, nullptr, {}, 900);
+  };
+  const Picture host = drawn({}), device = drawn(devices.usable[0]);
+  EXPECT_EQ(host.rgba, device.rgba);
+  EXPECT_EQ(host.depth, device.depth);
 }
 
 TEST(CastOnDevice, ShadowsHaveTheSameBitsAsOnTheHostForAnyPool) {
