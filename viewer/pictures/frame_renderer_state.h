@@ -49,6 +49,10 @@ struct FrameRenderer::State {
   /// The working set of a view counts as larger than the memory budget if the view has read this multiple of it.
   static constexpr std::uint64_t max_page_reread_factor = 4;
 
+  /// The max number of requests of the last frame with which rays wait for uploads. Answering this many takes some
+  /// milliseconds on 16 cores.
+  static constexpr std::size_t max_awaited_requests = 8192;
+
   Options options;
   std::shared_ptr<const PagedScene> scene;
   std::shared_ptr<std::atomic<std::uint64_t>> files_opened = std::make_shared<std::atomic<std::uint64_t>>(0);
@@ -245,14 +249,15 @@ struct FrameRenderer::State {
 
   /// Casts the view's rays. Rays that miss data wait for its upload within the time limit, then continue at the same
   /// sample. One frame can thus load several levels at about the cost of one cast. Afterwards coarser bricks replace
-  /// the data that is still missing. If no time for uploads is left, they do so from the start, in one pass.
+  /// the data that is still missing. They do so from the start, in one pass, if no time for uploads is left, or if
+  /// the last frame left more requests than that time is enough for.
   void cast(const View& view, const kernels::CastCamera& camera, const PreviewLimits& limits, Picture& picture) {
     kernels::Caster& caster = stream->caster();
     const std::size_t rays = std::size_t(camera.width) * std::size_t(camera.height);
     std::future<Picture> blank = std::async(std::launch::async, blank_picture, camera.width, camera.height, view.light);
     caster.start(camera, {0, 0, camera.width, camera.height});
     const auto may_upload = [&] { return !starved && upload_s < limits.upload_s && !is_asked(limits.stop); };
-    const bool waits = may_upload();
+    const bool waits = may_upload() && requested.size() <= max_awaited_requests;
     std::size_t waiting = caster.cast(0, rays, waits, limits.stop);
     frame_pass = caster.pass();
     while (waiting > 0 && may_upload()) {

@@ -59,8 +59,9 @@ bool PoolAllocator::is_settled(std::uint32_t node, std::uint32_t round) const {
   return tile.used && (node < cells_ || tile.round <= round);
 }
 
-void PoolAllocator::begin_round(std::uint32_t used_since, bool may_evict_used) {
+void PoolAllocator::begin_round(std::uint32_t pass, std::uint32_t used_since, bool may_evict_used) {
   ++round_;
+  pass_ = pass;
   used_since_ = used_since;
   may_evict_used_ = may_evict_used;
   evicted_used_ = false;
@@ -92,7 +93,7 @@ bool PoolAllocator::put_children(std::uint32_t node, const ChildMasks& children,
   if (free_tiles_.empty() && !free_some_tiles(node / 8, caster)) return false;
   const std::uint32_t t = free_tiles_.back();
   free_tiles_.pop_back();
-  tiles_[t] = {node, place_of(node), caster.pass(), round_, 0, 0, true};
+  tiles_[t] = {node, place_of(node), pass_, round_, 0, 0, true};
   if (node >= cells_) ++tiles_[node / 8].resident_children;
   const bool finest = tiles_[t].place.lod == 1;
   for (std::uint32_t c = 0; c < 8; ++c) change(8 * t + c, new_node(children, c, finest));
@@ -107,7 +108,7 @@ std::optional<std::uint32_t> PoolAllocator::put_brick(std::uint32_t node, std::u
   if (!arena_.has_room(parts)) caster.move_voxels(arena_.close_gaps());
   const std::uint32_t s = free_slots_.back();
   free_slots_.pop_back();
-  slots_[s] = {node, caster.pass(), round_, true};
+  slots_[s] = {node, pass_, round_, true};
   tiles_[node / 8].brick_round = round_;
   arena_.take(s, parts);
   change(node, {nodes_[node].children, s});

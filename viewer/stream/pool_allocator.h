@@ -36,13 +36,18 @@ class PoolAllocator {
   bool is_settled(std::uint32_t node, std::uint32_t round) const;
   std::uint32_t round() const { return round_; }
 
-  /// Begins a round: entries allocated from now on, and the tiles of their nodes, stay until the next round. Entries
-  /// that rays used in pass `used_since` or later stay too, unless `may_evict_used` is true and nothing else can be
-  /// evicted.
-  void begin_round(std::uint32_t used_since, bool may_evict_used);
+  /// Begins a round. Entries that are allocated from now on, and the tiles of their nodes, stay until the next round.
+  /// They count as used in pass `pass`. Entries that rays used in pass `used_since` or later stay too, unless
+  /// `may_evict_used` is true and nothing else can be evicted.
+  void begin_round(std::uint32_t pass, std::uint32_t used_since, bool may_evict_used);
   /// Returns whether this round evicted an entry that rays used in pass `used_since` of begin_round() or later.
   bool evicted_used() const { return evicted_used_; }
 
+  /// Returns whether a tile of children or a brick of `parts` parts can be allocated without evictions and moves, hence
+  /// without the caster.
+  bool has_room(std::uint32_t parts) const {
+    return !free_tiles_.empty() && !free_slots_.empty() && arena_.has_room(parts);
+  }
   /// Allocates the tile of the node's children; returns false if the pool is full and nothing can be evicted. `caster`
   /// supplies the usage timestamps for eviction.
   bool put_children(std::uint32_t node, const ChildMasks& children, kernels::Caster& caster);
@@ -103,7 +108,7 @@ class PoolAllocator {
   VoxelArena arena_;
   std::vector<std::uint32_t> free_tiles_, free_slots_;
   std::vector<std::uint32_t> changed_;  ///< nodes for take_changes()
-  std::uint32_t round_ = 0, used_since_ = 0;
+  std::uint32_t round_ = 0, pass_ = 0, used_since_ = 0;
   bool may_evict_used_ = false, evicted_used_ = false;
 };
 

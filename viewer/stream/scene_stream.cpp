@@ -13,8 +13,8 @@ namespace {
 
 using kernels::RequestKind;
 
-/// The limits of the number of answers that prepare() keeps. A GPU casts a frame in less time than the maximum takes.
-constexpr std::size_t min_prepared = 4096, max_prepared = 32768;
+/// The max number of answers of one prepare(). A GPU casts a frame in less time than they take.
+constexpr std::size_t max_prepared = 32768;
 /// The number of answers that are entered before the clock is checked.
 constexpr std::size_t answers_per_check = 64;
 constexpr std::uint32_t min_slots = 16;
@@ -141,21 +141,35 @@ void SceneStream::prepare(const std::vector<std::uint32_t>& requested, const Vec
   if (!prepared_.empty() || (requested.empty() && pending_roots_.empty())) return;
   stops_preparing_ = false;
   prepared_round_ = allocator_.round();
-  preparing_ = std::async(std::launch::async, [this, requested, eye] {
-    pager_.begin_pass();
-    if (!answers_.has_next()) answers_.begin_pass(requested, pending_roots_, eye);
-    while (answers_.has_next() && prepared_.size() < to_prepare_) {
-      std::ranges::move(answers_.next_batch(), std::back_inserter(prepared_));
-      if (stops_preparing_) break;
-    }
-    request_missing_pages();
-  });
+  const std::uint32_t next_pass = caster_->pass() + 1;
+  allocator_.begin_round(next_pass, next_pass, false);
+  preparing_ = std::async(std::launch::async, [this, requested, eye] { answer_ahead(requested, eye); });
 }
 
+/// Answers requests until prepare() has to end, and enters answers until one needs an eviction. Keeps the other answers
+/// of that batch for serve().
+void SceneStream::answer_ahead(const std::vector<std::uint32_t>& requested, const Vec3d& eye) {
+  policy_.parallel_for(spent_bricks_.size(), 256, [this](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) spent_bricks_[i].parts = {};
+  });
+  spent_bricks_.clear();
+  pager_.begin_pass();
+  if (!answers_.has_next()) answers_.begin_pass(requested, pending_roots_, eye);
+  while (answers_.has_next() && prepared_.empty() && prepared_work_.answers < max_prepared) {
+    const std::span<RequestAnswer> batch = answers_.next_batch();
+    std::ranges::move(batch.subspan(enter_without_evictions(batch)), std::back_inserter(prepared_));
+    if (stops_preparing_) break;
+  }
+  request_missing_pages();
+}
+
+/// Waits until prepare() has ended, and copies its new bricks and nodes to the caster.
 void SceneStream::finish_preparing() {
   if (!preparing_.valid()) return;
   stops_preparing_ = true;
   preparing_.get();
+  put_new_bricks();
+  put_changed_nodes();
 }
 
 void SceneStream::forget_prepared() {
@@ -191,6 +205,21 @@ bool SceneStream::enter(RequestAnswer& answer) {
   return true;
 }
 
+/// Enters answers until one needs an eviction. Returns how many it took. Does not call the caster.
+std::size_t SceneStream::enter_without_evictions(std::span<RequestAnswer> answers) {
+  std::size_t taken = 0;
+  for (RequestAnswer& answer : answers) {
+    if (!answer.is_missing && !answers_.is_fulfilled(answer.request)) {
+      if (!allocator_.has_room(std::uint32_t(answer.brick.parts.size()))) break;
+      enter(answer);
+      ++prepared_work_.uploads;
+    }
+    ++taken;
+  }
+  prepared_work_.answers += taken;
+  return taken;
+}
+
 /// Enters answers until the pools are full or `enough` returns true, at least some of them. Copies the new bricks to
 /// the caster. Returns how many answers it took. Skips answers whose node has got another place since round `round`,
 /// before which no answer was made.
@@ -218,40 +247,40 @@ void SceneStream::put_new_bricks() {
     uploaded_bytes_ += sizeof(brick.head) + sizeof(kernels::PackedVoxel) * brick.parts.size();
   caster_->put_bricks(places, new_bricks_);
   new_slots_.clear();
-  new_bricks_.clear();
+  spent_bricks_ = std::exchange(new_bricks_, {});
 }
 
-/// Enters answers of prepare() until `enough` returns true. The next prepare() makes as many as were entered, or more
-/// if time was left.
+void SceneStream::put_changed_nodes() {
+  const auto changes = allocator_.take_changes();
+  uploaded_bytes_ += sizeof(kernels::NodeChange) * changes.size();
+  caster_->put_nodes(changes);
+}
+
+/// Enters the answers that prepare() could not enter, until `enough` returns true.
 void SceneStream::enter_prepared(const kernels::StopAsked& enough, Served& served) {
-  const std::size_t taken = enter_some(std::span(prepared_).subspan(entered_), prepared_round_, enough, served);
-  entered_ += taken;
-  if (entered_ < prepared_.size() && !served.is_full) {
-    to_prepare_ = std::max(taken, min_prepared);
-  } else {
-    to_prepare_ = std::min(2 * to_prepare_, max_prepared);
-    forget_prepared();
-  }
+  if (prepared_.empty()) return;
+  entered_ += enter_some(std::span(prepared_).subspan(entered_), prepared_round_, enough, served);
+  if (entered_ == prepared_.size() || served.is_full) forget_prepared();
 }
 
 SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& requested, const Vec3d& eye,
                                        const kernels::StopAsked& enough, const Keep& keep) {
   finish_preparing();
-  Served served;
+  Served served = std::exchange(prepared_work_, {});
+  const bool was_prepared = served.uploads > 0;
   const std::uint32_t round_before = allocator_.round();
-  allocator_.begin_round(keep.used_since, !keep.all);
+  allocator_.begin_round(caster_->pass(), keep.used_since, !keep.all);
   enter_prepared(enough, served);
   const auto is_over = [&] { return served.answers > 0 && enough && enough(); };
-  if (prepared_.empty() && !is_over()) {
+  if (!was_prepared && prepared_.empty() && !is_over()) {
     answers_.begin_pass(requested, pending_roots_, eye);
     while (answers_.has_next() && !served.is_full) {
       enter_some(answers_.next_batch(), round_before, {}, served);
       if (is_over()) break;
     }
   }
-  const auto changes = allocator_.take_changes();
-  uploaded_bytes_ += sizeof(kernels::NodeChange) * changes.size();
-  caster_->put_nodes(changes);
+  put_changed_nodes();
+  pool_bytes_held_ = allocator_.in_use().bytes();
   served.misses_pages = request_missing_pages();
   remove_loaded_roots();
   served.evicted_used = allocator_.evicted_used();

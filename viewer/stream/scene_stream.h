@@ -64,16 +64,21 @@ class SceneStream {
   kernels::Caster& caster() { return *caster_; }
   const CellLayout& layout() const { return layout_; }
 
-  /// Enters prepared answers, then answers the requests of rays (Caster::requested()) whose pages are resident, until
-  /// `enough` returns true, but at least one batch of either. Skips requests that were answered since, and requests
-  /// whose pages are still missing. Requests all missing pages from the pager. Near and coarse nodes come first; `eye`
-  /// is in lod-0 voxels.
+  /// Enters prepared answers. If there are none, answers the requests of rays (Caster::requested()) whose pages are
+  /// resident, until `enough` returns true, but at least one batch. Skips requests that were answered since, and
+  /// requests whose pages are still missing. Requests all missing pages from the pager. Near and coarse nodes come
+  /// first; `eye` is in lod-0 voxels.
   Served serve(const std::vector<std::uint32_t>& requested, const Vec3d& eye, const kernels::StopAsked& enough,
                const Keep& keep);
 
-  /// Begins to answer requests on other threads, at least one batch, unless answers still wait for their entry. The
-  /// next serve() ends this, and enters as many answers as its time allows. Meant for the time in which a GPU casts.
+  /// Begins to answer requests on other threads, at least one batch, unless answers still wait for their entry. Also
+  /// allocates their places in the pools, as long as nothing has to be evicted. The next serve() ends this and copies
+  /// the new bricks to the caster. Meant for the time in which a GPU casts.
   void prepare(const std::vector<std::uint32_t>& requested, const Vec3d& eye);
+
+  /// Returns the number of bricks and node tiles that prepare() has put into the pools since the last serve().
+  /// Range   prepare() has ended: begin_pass() was called after it.
+  std::uint64_t prepared_uploads() const { return prepared_work_.uploads; }
 
   /// Returns how many of the requests were not answered yet.
   std::size_t open_requests(const std::vector<std::uint32_t>& requests) const;
@@ -110,8 +115,8 @@ class SceneStream {
 
   /// Returns the size of the pools, on host or device, plus the memory limit of the pages.
   std::uint64_t bytes_allowed() const { return pool_bytes_ + page_bytes_; }
-  /// Returns the bytes that pools and pages use.
-  std::uint64_t bytes_held() const { return allocator_.in_use().bytes() + pager_.counts().bytes; }
+  /// Returns the bytes that pools and pages use; pools as of the end of the last serve().
+  std::uint64_t bytes_held() const { return pool_bytes_held_ + pager_.counts().bytes; }
   std::uint64_t page_bytes_allowed() const { return page_bytes_; }
   PagerCounts page_counts() const { return pager_.counts(); }
   std::uint64_t uploads() const { return uploads_; }                ///< bricks and node tiles put into the pools so far
@@ -129,18 +134,21 @@ class SceneStream {
   SceneStream(const PagedScene& scene, Opened opened, PageSource source, const Options& options,
               const ThreadPool& policy);
 
+  void answer_ahead(const std::vector<std::uint32_t>& requested, const Vec3d& eye);
   void finish_preparing();
   bool request_missing_pages();
   bool enter(RequestAnswer& answer);
+  std::size_t enter_without_evictions(std::span<RequestAnswer> answers);
   void enter_prepared(const kernels::StopAsked& enough, Served& served);
   void forget_prepared();
   std::size_t enter_some(std::span<RequestAnswer> answers, std::uint32_t round, const kernels::StopAsked& enough,
                          Served& served);
   void put_new_bricks();
+  void put_changed_nodes();
   void remove_loaded_roots();
 
   const ThreadPool& policy_;
-  std::uint64_t page_bytes_, pool_bytes_;
+  std::uint64_t page_bytes_, pool_bytes_, pool_bytes_held_ = 0;
   int tile_edge_;
   bool casts_on_host_;
   bool cells_alone_;
@@ -156,11 +164,13 @@ class SceneStream {
   std::vector<std::uint32_t> pending_roots_;  ///< requests of root bricks
   std::vector<std::uint32_t> new_slots_;
   std::vector<kernels::CastBrick> new_bricks_;
+  std::vector<kernels::CastBrick> spent_bricks_;  ///< were copied to the caster; freed while the next answers are made
   std::uint64_t uploads_ = 0, uploaded_bytes_ = 0;
   std::optional<SceneExchange> exchange_;
   std::vector<PageKey> exchange_missing_;  ///< pages for which the exchange waits
-  std::vector<RequestAnswer> prepared_;    ///< answers for the next serve(); the first entered_ are entered
-  std::size_t entered_ = 0, to_prepare_ = std::size_t(1) << 13;
+  Served prepared_work_;                   ///< of prepare() since the last serve()
+  std::vector<RequestAnswer> prepared_;    ///< answers that need evictions; the first entered_ are entered
+  std::size_t entered_ = 0;
   std::uint32_t prepared_round_ = 0;  ///< round of the allocator before the answers were prepared
   std::atomic<bool> stops_preparing_{false};
   /// The answers in progress: other members must not be changed until they end. Destroyed first, which waits for them.

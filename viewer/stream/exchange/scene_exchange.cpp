@@ -131,7 +131,7 @@ void SceneExchange::enter(Prepared& item, kernels::Caster& caster) {
 }
 
 std::uint64_t SceneExchange::enter(kernels::Caster& caster) {
-  allocator_.begin_round(0, true);
+  allocator_.begin_round(caster.pass(), 0, true);
   const std::int32_t root_lod = layout_.scene.lods - 1;
   for (const std::uint32_t node : allocator_.nodes_in_use()) {
     // Skips nodes of released tiles, and children that do not exist.
