@@ -98,14 +98,16 @@ __device__ void do_task(CastTask next, const RayPass& pass, const CastLine& line
   }
 }
 
-/// Appends a ray that leaves its kernel to the list of its task, and stores its brick if another kernel needs it. All
-/// lanes of the warp must call this function.
+/// Appends a ray that leaves its kernel to the list of its task, and stores its brick if another kernel needs it. A
+/// sample in a brick that replaces missing data always has a residual. All lanes of the warp must call this function.
 template <Stage stage>
 __device__ void append_to_lists(const RayPass& pass, bool leaves, std::uint32_t index, const MarchState& march,
                                 const RayLists& lists) {
   if (leaves && (march.task == CastTask::pass || march.task == CastTask::residual)) hold_brick(pass, index, march);
   append(leaves && (march.task == CastTask::find || march.task == CastTask::step), index, lists.find);
-  if (stage == Stage::find) append(leaves && march.task == CastTask::pass, index, lists.pass);
+  const bool passes = leaves && march.task == CastTask::pass;
+  if (stage == Stage::find) append(passes && !march.waits, index, lists.pass);
+  if (stage == Stage::find) append(passes && march.waits, index, lists.residual);
   if (stage == Stage::pass) append(leaves && march.task == CastTask::residual, index, lists.residual);
   append(leaves && march.task == CastTask::meet, index, lists.meet);
 }
