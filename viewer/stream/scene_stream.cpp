@@ -154,7 +154,7 @@ void SceneStream::answer_ahead(const std::vector<std::uint32_t>& requested, cons
   });
   spent_bricks_.clear();
   pager_.begin_pass();
-  if (!answers_.has_next()) answers_.begin_pass(requested, pending_roots_, eye);
+  answers_.begin_pass(requested, pending_roots_, eye);
   while (answers_.has_next() && prepared_.empty() && prepared_work_.answers < max_prepared) {
     const std::span<RequestAnswer> batch = answers_.next_batch();
     std::ranges::move(batch.subspan(enter_without_evictions(batch)), std::back_inserter(prepared_));

@@ -30,26 +30,30 @@ std::uint64_t ranked_request(double urgency, std::uint32_t request) {
   return std::uint64_t(~std::bit_cast<std::uint32_t>(float(urgency))) << 32 | request;
 }
 
-/// Sorts many ranks by their urgency to 1/128 of its value. A counting sort: rays can miss some hundred thousand nodes
-/// per pass.
-void sort_many(std::vector<std::uint64_t>& ranks) {
+/// Sorts the first `max_count` of many ranks by their urgency to 1/128 of its value. Removes no_rank and the other
+/// ranks. A counting sort: rays can miss some hundred thousand nodes per pass.
+void sort_first_of_many(std::vector<std::uint64_t>& ranks, std::size_t max_count) {
   constexpr unsigned ignored_bits = 48;
   std::vector<std::uint32_t> place((std::size_t(1) << (64 - ignored_bits)) + 1);
-  for (const std::uint64_t rank : ranks) ++place[(rank >> ignored_bits) + 1];
+  for (const std::uint64_t rank : ranks)
+    if (rank != no_rank) ++place[(rank >> ignored_bits) + 1];
   std::partial_sum(place.begin(), place.end(), place.begin());
-  std::vector<std::uint64_t> sorted(ranks.size());
-  for (const std::uint64_t rank : ranks) sorted[place[rank >> ignored_bits]++] = rank;
+  const auto end = std::size_t(std::ranges::lower_bound(place, max_count) - place.begin());  // of the urgent buckets
+  std::vector<std::uint64_t> sorted(place[std::min(end, place.size() - 1)]);
+  for (const std::uint64_t rank : ranks)
+    if (rank >> ignored_bits < end && rank != no_rank) sorted[place[rank >> ignored_bits]++] = rank;
   ranks = std::move(sorted);
 }
 
 /// Sorts the ranks, and removes no_rank and all but the first `max_count` ranks.
 void keep_first(std::vector<std::uint64_t>& ranks, std::size_t max_count) {
   constexpr std::size_t few = 16384;  // std::sort() is faster
-  std::erase(ranks, no_rank);
-  if (ranks.size() > few)
-    sort_many(ranks);
-  else
+  if (ranks.size() > few) {
+    sort_first_of_many(ranks, max_count);
+  } else {
+    std::erase(ranks, no_rank);
     std::sort(ranks.begin(), ranks.end());
+  }
   ranks.resize(std::min(ranks.size(), max_count));
 }
 
