@@ -6,7 +6,7 @@
 #include <string>
 
 #include "bench/bench_scene.h"
-#include "worker/pipeline/backend.h"
+#include "worker/device/backend.h"
 
 namespace gigabake::bench {
 

@@ -12,7 +12,7 @@
 #include "app/options/area_options.h"
 #include "query/query_text.h"
 #include "query/scene_query.h"
-#include "worker/pipeline/backend.h"
+#include "worker/device/backend.h"
 
 namespace gigabake::app {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "viewer/pictures/frame_renderer.h"
-#include "worker/pipeline/backend.h"
+#include "worker/device/backend.h"
 
 namespace gigabake::app {
 

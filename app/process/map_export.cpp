@@ -25,7 +25,7 @@
 #include "format/export/geotiff/geotiff.h"
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
-#include "worker/pipeline/backend.h"
+#include "worker/device/backend.h"
 
 namespace gigabake::app {
 namespace {

@@ -12,7 +12,7 @@
 #include "cluster/mpi/mpi_version.h"
 #include "core/base/error.h"
 #include "format/system/message.h"
-#include "worker/pipeline/backend.h"
+#include "worker/device/backend.h"
 
 namespace gigabake::app {
 namespace {

@@ -13,7 +13,7 @@
 #include "bench/accuracy/picture_error.h"
 #include "bench/accuracy/voxel_error.h"
 #include "bench/bench_scene.h"
-#include "worker/pipeline/backend.h"
+#include "worker/device/backend.h"
 
 namespace gigabake::bench {
 

@@ -13,7 +13,7 @@
 #include "core/base/pluralize.h"
 #include "format/system/host_limits.h"
 #include "format/system/message.h"
-#include "worker/pipeline/backend.h"
+#include "worker/device/backend.h"
 
 namespace gigabake::app {
 namespace {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "bench/accuracy/leaks/leak_bench.h"
-#include "worker/pipeline/backend.h"
+#include "worker/device/backend.h"
 
 namespace gigabake::bench {
 

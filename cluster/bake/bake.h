@@ -24,7 +24,7 @@
 #include "scheduler/queue/timeouts.h"
 #include "scheduler/status/bake_event.h"
 #include "scheduler/status/bake_status.h"
-#include "worker/pipeline/backend.h"
+#include "worker/device/backend.h"
 
 namespace gigabake {
 

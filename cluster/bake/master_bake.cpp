@@ -17,7 +17,7 @@
 #include "format/system/publish.h"
 #include "scheduler/journal/cached_results.h"
 #include "scheduler/plan/merge.h"
-#include "worker/pipeline/backend.h"
+#include "worker/device/backend.h"
 #include "worker/pipeline/writer_pool_size.h"
 
 namespace gigabake {

@@ -19,8 +19,8 @@
 
 #include "format/job/cell_job.h"
 #include "format/job/run_work.h"
+#include "worker/device/backend.h"
 #include "worker/overview/child_bytes.h"
-#include "worker/pipeline/backend.h"
 
 namespace gigabake {
 

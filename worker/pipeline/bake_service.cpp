@@ -24,9 +24,9 @@
 #include "format/job/run_work.h"
 #include "format/job/source_bytes.h"
 #include "format/system/meters/trace_file.h"
+#include "worker/device/device_start.h"
 #include "worker/pipeline/bake_messages.h"
 #include "worker/pipeline/cell_pipeline.h"
-#include "worker/pipeline/device_start.h"
 #include "worker/pipeline/worker_setup.h"
 #include "worker/scan/scan_tile.h"
 

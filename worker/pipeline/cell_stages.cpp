@@ -15,7 +15,7 @@
 #include "kernels/cpu/bake_cell.h"
 #include "worker/pipeline/cell_parameters.h"
 #include "worker/pipeline/clipped_cell.h"
-#include "worker/pipeline/device_start.h"
+#include "worker/device/device_start.h"
 #include "worker/pipeline/lattice.h"
 #include "worker/pipeline/shard_from_volume.h"
 #include "worker/pipeline/writer_pool_size.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/octree/parameters.h"
-#include "worker/pipeline/backend.h"
+#include "worker/device/backend.h"
 #include "worker/pipeline/cell_pipeline.h"
 
 namespace gigabake {

@@ -11,7 +11,7 @@
 #include "bench/accuracy/leaks/leak_error.h"
 #include "bench/accuracy/leaks/leak_eye.h"
 #include "bench/bench_scene.h"
-#include "worker/pipeline/backend.h"
+#include "worker/device/backend.h"
 
 namespace gigabake::bench {
 

@@ -1,4 +1,4 @@
-#include "worker/pipeline/device_start.h"
+#include "worker/device/device_start.h"
 
 #include <chrono>
 #include <exception>

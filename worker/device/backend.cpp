@@ -1,4 +1,4 @@
-#include "worker/pipeline/backend.h"
+#include "worker/device/backend.h"
 
 #include <algorithm>
 
