@@ -200,9 +200,11 @@ __device__ void write_group(const LevelsView& levels, const WarpBrick& at, const
     if ((children >> child & 1) == 0) continue;
     const std::uint32_t voxel =
         at.first(levels) + rank_of(at.mask(levels), ranks.own, voxel_of_code(group << 3 | child));
-    const std::uint32_t colour = colour_difference(levels.rgba[at.lod][voxel], predicted.rgb);
-    for (unsigned c = 0; c < 3; ++c) out.rgb[3 * row + c] = byte_of(colour, int(c));
-    if (levels.normal[at.lod] != nullptr) {
+    if (out.rgb != nullptr) {
+      const std::uint32_t colour = colour_difference(levels.rgba[at.lod][voxel], predicted.rgb);
+      for (unsigned c = 0; c < 3; ++c) out.rgb[3 * row + c] = byte_of(colour, int(c));
+    }
+    if (out.normal != nullptr) {
       const std::uint16_t normal = normal_difference(levels.normal[at.lod][voxel], predicted.normal);
       out.normal[2 * row] = std::uint8_t(normal);
       out.normal[2 * row + 1] = std::uint8_t(normal >> 8);
@@ -221,7 +223,7 @@ __device__ void write_groups(const LevelsView& levels, const WarpBrick& at, cons
     const std::uint32_t children = children_of(at.mask(levels), group);
     const bool has_row = has_children_row(parent.kind, there, out.is_dense, group);
     const std::uint32_t own_row = place_after(children_end, has_row ? 1 : 0);
-    if (has_row) out.children[children_row + own_row] = std::uint8_t(children);
+    if (has_row && out.children != nullptr) out.children[children_row + own_row] = std::uint8_t(children);
     const std::uint32_t row = place_after(row_end, bits_in(children));
     write_group(levels, at, ranks, group, children, predict(levels, at, parent, above, there, ranks, group), row, out);
   }
@@ -233,11 +235,11 @@ __device__ void write_voxels(const LevelsView& levels, const WarpBrick& at, std:
     const std::uint32_t v = first + lane();
     const bool is_there = v < at.end(levels);
     const std::uint8_t alpha = is_there ? byte_of(levels.rgba[at.lod][v], 3) : std::uint8_t(0);
-    if (is_there) out.alpha[v] = alpha;
+    if (is_there && out.alpha != nullptr) out.alpha[v] = alpha;
     const std::uint8_t* voxel =
-        is_there && (out.has_plane || levels.has_coverage[at.lod]) ? coverage_at(levels, at.lod, v) : nullptr;
-    if (is_there && out.has_plane) out.plane[v] = voxel[directional_coverage_plane];
-    if (!levels.has_coverage[at.lod]) continue;
+        is_there && (out.plane != nullptr || out.facing != nullptr) ? coverage_at(levels, at.lod, v) : nullptr;
+    if (is_there && out.plane != nullptr) out.plane[v] = voxel[directional_coverage_plane];
+    if (out.facing == nullptr) continue;
     const bool is_stored = is_there && stores_coverage(voxel[directional_coverage_plane], out.is_complete);
     const unsigned lanes = __ballot_sync(~0u, is_stored);
     if (is_stored) {
@@ -260,7 +262,7 @@ __device__ void write_start(const LevelsView& levels, int lod, std::uint32_t bri
   row[2] = out.is_complete ? levels.first[lod][brick] : coverage[in_all] - out.coverage_begin;
 }
 
-/// Writes all columns of all levels, with one warp per brick.
+/// Writes columns of all levels, with one warp per brick.
 __global__ void __launch_bounds__(threads)
     write_columns(const LevelsView levels, const BrickParent* parents, const std::uint32_t* children,
                   const std::uint32_t* coverage, const LevelOut* outs) {
@@ -274,10 +276,12 @@ __global__ void __launch_bounds__(threads)
   if (const std::uint64_t* above = mask_above(levels, at, parent); above != nullptr) find_ranks(above, ranks.above);
   const std::size_t children_row =
       out.is_dense ? groups_per_brick * std::size_t(at.brick) : std::uint32_t(children[at.in_all] - out.children_begin);
-  write_groups(levels, at, parent, children_row, ranks, out);
+  if (out.children != nullptr || out.rgb != nullptr || out.normal != nullptr)
+    write_groups(levels, at, parent, children_row, ranks, out);
   const std::size_t coverage_row =
       out.is_complete ? at.first(levels) : std::uint32_t(coverage[at.in_all] - out.coverage_begin);
   write_voxels(levels, at, coverage_row, out);
+  if (out.first == nullptr) return;
   if (lane() == 0 && at.brick % bricks_per_start == 0) write_start(levels, at.lod, at.brick, children, coverage, out);
   if (lane() == 0 && at.brick + 1 == levels.bricks[at.lod])
     write_start(levels, at.lod, at.brick + 1, children, coverage, out);

@@ -50,15 +50,15 @@ struct BrickRows {
 /// Errors  CudaFailure.
 BrickRows count_rows(DeviceHeap& heap, const LevelsView& levels, const DeviceNodes& nodes, Findings& findings);
 
-/// The destinations of a level's columns. Destinations of columns that are not stored are not used.
+/// The destinations of a level's columns. Null: the column is not written.
 struct LevelOut {
   std::uint64_t* first;
   std::uint8_t *children, *rgb, *alpha, *normal, *facing, *plane;
   std::uint32_t children_begin, coverage_begin;  ///< as in Findings
-  bool is_dense, is_complete, has_plane;
+  bool is_dense, is_complete;
 };
 
-/// Writes the columns of all levels. `out` has one entry per lod.
+/// Writes columns of all levels. `out` has one entry per lod.
 /// Errors  CudaFailure.
 void make_columns(DeviceHeap& heap, const LevelsView& levels, const BrickRows& rows, const std::vector<LevelOut>& out);
 

@@ -35,13 +35,13 @@ void add_chunk(const RawChunk& chunk, BatchPlan& plan) {
   plan.staged_bytes += (std::uint64_t(chunk.bytes) + deflate::readable_beyond + 15) / 16 * 16;
 }
 
-/// Plans the batch that begins with chunk `first`.
-BatchPlan plan_batch(std::span<const RawChunk> chunks, std::size_t first) {
+/// Plans the batch that begins with chunk `first`, of at most `max_bytes` or one chunk.
+BatchPlan plan_batch(std::span<const RawChunk> chunks, std::size_t first, std::uint64_t max_bytes) {
   BatchPlan plan;
   for (; first < chunks.size(); ++first) {
     if (chunks[first].bytes > max_packed_chunk_bytes)
       throw CudaFailure("a chunk of " + std::to_string(chunks[first].bytes) + " bytes is packed on the host only");
-    if (!plan.chunks.empty() && plan.staged_bytes + chunks[first].bytes > pack_batch_bytes) break;
+    if (!plan.chunks.empty() && plan.staged_bytes + chunks[first].bytes > max_bytes) break;
     add_chunk(chunks[first], plan);
   }
   return plan;
@@ -106,8 +106,10 @@ PackedChunks pack_chunks(DeviceHeap& heap, const std::uint8_t* raw, std::span<co
   packed.bytes.clear_to_zero();
   DeviceArray<std::uint64_t> ends(heap, chunks.size()), packed_end(heap, 1);
   packed_end.clear_to_zero();
+  const std::uint64_t batch_bytes =
+      std::clamp(heap.available() / memory_per_batch_byte, min_pack_batch_bytes, pack_batch_bytes);
   for (std::size_t first = 0; first < chunks.size();) {
-    const BatchPlan plan = plan_batch(chunks, first);
+    const BatchPlan plan = plan_batch(chunks, first, batch_bytes);
     pack::Batch batch{};
     batch.raw = raw;
     batch.packed = packed.bytes.data();

@@ -21,8 +21,9 @@ struct PackedChunks {
 
 /// Packs `chunks`, which may be in any order. `raw` is in device memory. `clock` is null or receives the marks 0 … 6 of
 /// the last batch; `pack_steps` has the names of the steps between marks.
-/// Cost    Device memory in addition to the result: at most six bytes per raw byte of a batch. A batch has at most
-///         pack_batch_bytes, or is one larger chunk. The host waits once, at the end.
+/// Cost    Device memory in addition to the result: at most memory_per_batch_byte per raw byte of a batch. A batch has
+///         at most pack_batch_bytes, or is one larger chunk. Batches are smaller if the heap's limit requires it. The
+///         host waits once, at the end.
 /// Errors  DeviceFull. CudaFailure, also if a chunk is larger than max_packed_chunk_bytes.
 PackedChunks pack_chunks(DeviceHeap& heap, const std::uint8_t* raw, std::span<const RawChunk> chunks,
                          StreamClock* clock);

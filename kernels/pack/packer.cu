@@ -18,21 +18,28 @@ namespace {
 
 constexpr std::size_t alignment = 256;
 
-/// The columns of a cell, and the offset of each column in a common buffer.
-class ColumnPlan {
+/// Returns the size of all chunks of a column.
+std::size_t column_bytes(std::uint64_t rows, const RowShape& shape) {
+  return chunk_count(rows, shape.bytes) * chunk_bytes(rows, shape.bytes);
+}
+
+/// Columns of a cell that are in device memory at the same time, one after another in a buffer.
+class ColumnGroup {
  public:
-  ColumnPlan(const LevelsView& view, const PackRequest& request, const Findings& found, std::uint32_t nodes,
-             PackedCell& cell)
-      : view_(view), found_(found), outs_(cell.levels.size()) {
-    cell.nodes.resize(request.nodes.size());
-    for (std::size_t c = 0; c < request.nodes.size(); ++c)
-      nodes_.push_back(place(cell.nodes[c], nodes, request.nodes[c]));
-    for (std::size_t lod = 0; lod < cell.levels.size(); ++lod)
-      place_level(int(lod), request.levels[lod], cell.levels[lod]);
+  explicit ColumnGroup(std::size_t levels) : levels_(levels) {
+    for (auto& places : levels_) places.fill(absent);
+  }
+
+  void add_node_column(PackedColumn& column, std::uint64_t rows, const RowShape& shape) {
+    nodes_.push_back(place(column, rows, shape));
+  }
+  void add_level_column(std::size_t lod, LevelColumn number, PackedColumn& column, std::uint64_t rows) {
+    levels_[lod][std::size_t(number)] = place(column, rows, row_of(number));
   }
 
   std::size_t bytes() const { return bytes_; }
   const std::vector<RawColumn>& columns() const { return columns_; }
+  bool has_nodes() const { return !nodes_.empty(); }
 
   NodesOut nodes(std::uint8_t* raw) const {
     const auto of = [&]<class T>(NodeColumn column, T*) {
@@ -51,50 +58,57 @@ class ColumnPlan {
     return out;
   }
 
-  std::vector<LevelOut> outs(std::uint8_t* raw) const {
+  std::vector<LevelOut> outs(const Findings& found, std::uint8_t* raw) const {
     std::vector<LevelOut> outs;
-    for (std::size_t lod = 0; lod < outs_.size(); ++lod) {
-      const Places& p = outs_[lod];
-      const auto at = [&](LevelColumn column) { return raw + p.at[std::size_t(column)]; };
+    for (std::size_t lod = 0; lod < levels_.size(); ++lod) {
+      const auto at = [&](LevelColumn column) {
+        const std::size_t place = levels_[lod][std::size_t(column)];
+        return place == absent ? nullptr : raw + place;
+      };
       outs.push_back({reinterpret_cast<std::uint64_t*>(at(LevelColumn::first)), at(LevelColumn::children),
                       at(LevelColumn::rgb), at(LevelColumn::alpha), at(LevelColumn::normal), at(LevelColumn::facing),
-                      at(LevelColumn::plane), found_.children_begin[lod], found_.coverage_begin[lod],
-                      found_.is_dense[lod] != 0, found_.is_complete[lod] != 0, p.has_plane});
+                      at(LevelColumn::plane), found.children_begin[lod], found.coverage_begin[lod],
+                      found.is_dense[lod] != 0, found.is_complete[lod] != 0});
     }
     return outs;
   }
 
  private:
-  /// The offsets of a level's columns, by LevelColumn.
-  struct Places {
-    std::array<std::size_t, level_column_count> at = {};
-    bool has_plane = false;
-  };
+  static constexpr std::size_t absent = ~std::size_t(0);
 
   std::size_t place(PackedColumn& column, std::uint64_t rows, const RowShape& shape) {
     column.rows = rows;
-    const std::size_t at = bytes_, bytes = chunk_count(rows, shape.bytes) * chunk_bytes(rows, shape.bytes);
+    const std::size_t at = bytes_, bytes = column_bytes(rows, shape);
     columns_.push_back({&column, shape, at, bytes});
     bytes_ += (bytes + alignment - 1) / alignment * alignment;
     return at;
   }
 
-  void place_level(int lod, const std::vector<LevelColumn>& columns, PackedLevel& level) {
-    std::copy(std::begin(found_.alphas[lod]), std::end(found_.alphas[lod]), level.alphas.begin());
-    Places& places = outs_[std::size_t(lod)];
-    for (const LevelColumn column : columns) {
-      places.at[std::size_t(column)] = place(level[column], found_.rows(view_, column, lod), row_of(column));
-      places.has_plane = places.has_plane || column == LevelColumn::plane;
-    }
-  }
-
-  const LevelsView& view_;
-  const Findings& found_;
   std::vector<std::size_t> nodes_;
-  std::vector<Places> outs_;
+  std::vector<std::array<std::size_t, level_column_count>> levels_;  ///< [lod], by LevelColumn
   std::vector<RawColumn> columns_;
   std::size_t bytes_ = 0;
 };
+
+/// Divides the columns into groups of at most `max_bytes` bytes or one column. The first group has the node table.
+std::vector<ColumnGroup> group_columns(const LevelsView& view, const PackRequest& request, const Findings& found,
+                                       std::uint32_t nodes, std::uint64_t max_bytes, PackedCell& cell) {
+  std::vector<ColumnGroup> groups{ColumnGroup(cell.levels.size())};
+  cell.nodes.resize(request.nodes.size());
+  for (std::size_t c = 0; c < request.nodes.size(); ++c)
+    groups[0].add_node_column(cell.nodes[c], nodes, request.nodes[c]);
+  for (std::size_t lod = 0; lod < cell.levels.size(); ++lod) {
+    PackedLevel& level = cell.levels[lod];
+    std::copy(std::begin(found.alphas[lod]), std::end(found.alphas[lod]), level.alphas.begin());
+    for (const LevelColumn column : request.levels[lod]) {
+      const std::uint64_t rows = found.rows(view, column, int(lod));
+      if (groups.back().bytes() + column_bytes(rows, row_of(column)) > max_bytes && groups.back().bytes() != 0)
+        groups.emplace_back(cell.levels.size());
+      groups.back().add_level_column(lod, column, level[column], rows);
+    }
+  }
+  return groups;
+}
 
 }  // namespace
 
@@ -134,13 +148,24 @@ class CudaPacker::Impl {
     const auto found = std::make_unique<Findings>();
     const BrickRows rows = count_rows(heap_, view, nodes, *found);
     out.levels.resize(levels.size());
-    const ColumnPlan plan(view, request, *found, nodes.count, out);
-    DeviceArray<std::uint8_t> raw(heap_, plan.bytes());
+    // Compressed columns take as much memory as raw ones, and a batch of chunks takes the last third.
+    const std::uint64_t max_bytes =
+        request.as == ColumnBytes::stored ? heap_.available() / 3 : heap_.available() / 4 * 3;
+    std::vector<std::shared_ptr<const void>> memory;
+    for (const ColumnGroup& group : group_columns(view, request, *found, nodes.count, max_bytes, out))
+      memory.push_back(pack_group(group, view, rows, *found, nodes, request.as));
+    out.memory = std::make_shared<const std::vector<std::shared_ptr<const void>>>(std::move(memory));
+  }
+
+  /// Makes the columns of a group and transfers them. Returns the memory that they borrow.
+  std::shared_ptr<const void> pack_group(const ColumnGroup& group, const LevelsView& view, const BrickRows& rows,
+                                         const Findings& found, const DeviceNodes& nodes, ColumnBytes as) {
+    DeviceArray<std::uint8_t> raw(heap_, group.bytes());
     raw.clear_to_zero();
-    make_columns(heap_, view, rows, plan.outs(raw.data()));
-    make_node_columns(heap_, nodes, plan.nodes(raw.data()));
-    const auto bring = request.as == ColumnBytes::stored ? read_back_stored : read_back_raw;
-    out.memory = bring(heap_, raw, plan.columns(), pinned_);
+    make_columns(heap_, view, rows, group.outs(found, raw.data()));
+    if (group.has_nodes()) make_node_columns(heap_, nodes, group.nodes(raw.data()));
+    const auto bring = as == ColumnBytes::stored ? read_back_stored : read_back_raw;
+    return bring(heap_, raw, group.columns(), pinned_);
   }
 
   NodeTable constants_of(const DeviceNodes& nodes) {

@@ -52,7 +52,8 @@ class CudaPacker {
   /// Exact   The columns equal the columns that format/shard makes of the downloaded volume by the rules of
   ///         core/codec. Stored chunks equal the output of encode_chunk() of format/shard.
   /// Cost    Device memory: the size of the columns, the same again if they are compressed, and the temporary memory of
-  ///         pack_chunks() (kernels/pack/pack_chunks.cuh). Waits for the stream four times.
+  ///         pack_chunks() (kernels/pack/pack_chunks.cuh). If this exceeds `request.memory_bytes`, packs groups of one
+  ///         or more columns one after another. Waits for the stream twice, and twice per group.
   /// Errors  DeviceFull: the device memory or `request.memory_bytes` does not suffice; packing on the host may succeed.
   ///         CudaFailure.
   std::optional<PackedCell> pack(const CudaVolume& volume, const PackRequest& request);

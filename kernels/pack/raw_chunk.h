@@ -15,7 +15,10 @@ struct RawChunk {
 };
 
 inline constexpr std::uint32_t max_packed_chunk_bytes = 1u << 26;
-/// The max number of raw bytes in a batch, unless the batch is one larger chunk.
-inline constexpr std::uint64_t pack_batch_bytes = std::uint64_t(1) << 26;
+/// The limits of the number of raw bytes in a batch, unless the batch is one larger chunk. Few bytes leave a part of
+/// the device idle.
+inline constexpr std::uint64_t min_pack_batch_bytes = std::uint64_t(1) << 20, pack_batch_bytes = std::uint64_t(1) << 26;
+/// The max number of bytes of device memory per raw byte of a batch.
+inline constexpr std::uint64_t memory_per_batch_byte = 6;
 
 }  // namespace gigabake::kernels

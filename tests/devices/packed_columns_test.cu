@@ -331,6 +331,41 @@ TEST_F(DevicePack, SaysWhatDoesNotFitItsMemory) {
   EXPECT_TRUE(packer_->pack(*volume, request));
 }
 
+/// Expects two packed columns to have the same bytes.
+void expect_equal(const PackedColumn& a, const PackedColumn& b) {
+  EXPECT_EQ(a.rows, b.rows);
+  EXPECT_TRUE(std::ranges::equal(a.raw, b.raw));
+  ASSERT_EQ(a.stored.size(), b.stored.size());
+  for (std::size_t c = 0; c < a.stored.size(); ++c) EXPECT_TRUE(std::ranges::equal(a.stored[c], b.stored[c])) << c;
+}
+
+TEST_F(DevicePack, MakesTheSameColumnsInLittleMemory) {
+  kernels::test::TestCell cell = kernels::test::ground("little memory", 2048, 256, false, true);
+  const kernels::CellParameters parameters = cell.parameters(SurfaceRule::area, MipFilter::coverage, true);
+  const std::unique_ptr<kernels::CudaVolume> volume = baker_->bake(*baker_->upload(cell.input()), parameters);
+  for (const kernels::ColumnBytes as : {kernels::ColumnBytes::stored, kernels::ColumnBytes::raw}) {
+    kernels::PackRequest request = request_of(header_of(true, true, 2048), 9);
+    request.as = as;
+    const auto all = packer_->pack(*volume, request);
+    ASSERT_TRUE(all);
+    std::uint64_t raw_bytes = 0;
+    for (const PackedLevel& level : all->levels) raw_bytes += 10 * level[LevelColumn::rgb].rows;
+    int packed = 0;
+    for (const std::uint64_t part : {1, 2, 3}) {
+      SCOPED_TRACE("1/" + std::to_string(part));
+      request.memory_bytes = raw_bytes / part + (std::uint64_t(32) << 20);
+      const auto little = packer_->pack(*volume, request);
+      ASSERT_TRUE(little);
+      ++packed;
+      for (std::size_t c = 0; c < all->nodes.size(); ++c) expect_equal(little->nodes[c], all->nodes[c]);
+      for (std::size_t lod = 0; lod < all->levels.size(); ++lod)
+        for (std::size_t c = 0; c < level_column_count; ++c)
+          expect_equal(little->levels[lod].columns[c], all->levels[lod].columns[c]);
+    }
+    EXPECT_EQ(packed, 3);
+  }
+}
+
 TEST_F(DevicePack, LeavesToTheHostWhatCameInParts) {
   kernels::test::TestCell ground = kernels::test::ground("parts", 256, 64, false, true);
   kernels::CellParameters parameters = ground.parameters(SurfaceRule::area, MipFilter::coverage, true);

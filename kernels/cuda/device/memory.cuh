@@ -1,6 +1,7 @@
 /// Device memory: stream-ordered arrays of one pool, with counters of live and peak bytes.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +27,7 @@ class DeviceMemoryStats {
     while (peak < now && !peak_.compare_exchange_weak(peak, now)) {
     }
   }
+  std::uint64_t live_bytes() const { return std::uint64_t(live_.load()); }
   std::uint64_t peak_bytes() const { return std::uint64_t(peak_.load()); }
   void restart_peak() { peak_ = live_.load(); }
 
@@ -46,6 +48,11 @@ class DeviceHeap {
   /// Sets the max number of live bytes, beyond which take() throws DeviceFull. Bytes that are live already may exceed
   /// it. If it is 0, the device's memory is the only limit.
   void limit_to(std::uint64_t bytes) { limit_ = bytes; }
+  /// Returns the number of bytes that can be allocated within the limit; the max number if there is no limit.
+  std::uint64_t available() const {
+    if (limit_ == 0) return ~std::uint64_t(0);
+    return limit_ - std::min(limit_, live_.load());
+  }
 
   /// Copies a few bytes to the host and waits for the copy and for the kernels before it. A page-locked buffer of the
   /// heap receives the bytes, so that the driver need not stage a copy to pageable memory. `what` names the step in an
