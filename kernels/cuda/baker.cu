@@ -55,14 +55,20 @@ class CudaBaker::Impl {
     return std::make_shared<const CudaInput>(upload_heap_, input, textures_, tables_.view());
   }
 
-  std::unique_ptr<CudaVolume> bake(const CudaInput& uploaded, const CellParameters& parameters) {
+  std::unique_ptr<CudaVolume> bake(const CudaInput& uploaded, const CellParameters& parameters, bool may_split) {
     start();
     memory_stats_.restart_peak();
+    const std::uint64_t before = memory_stats_.live_bytes();
     auto cell = std::make_unique<BakedCell>();
-    bake_.bake(uploaded, parameters, *cell);
-    cell->cell_stats.peak_bytes = memory_stats_.peak_bytes();
-    return cell;
+    const bool is_baked = bake_.bake(uploaded, parameters, may_split, *cell);
+    const std::uint64_t peak = memory_stats_.peak_bytes();
+    cell->cell_stats.peak_bytes = peak;
+    expected_bytes_ = std::max(peak - std::min(peak, before), expected_bytes_ / 8 * 7);
+    return is_baked ? std::move(cell) : nullptr;
   }
+
+  std::uint64_t volume_bytes() const { return bake_heap_.live(); }
+  std::uint64_t expected_bytes() const { return expected_bytes_; }
 
   CellVolume download(std::unique_ptr<BakedCell> cell) {
     start();
@@ -111,6 +117,7 @@ class CudaBaker::Impl {
   DeviceTables tables_;
   DeviceTextures textures_;
   CellBake bake_;
+  std::uint64_t expected_bytes_ = 0;
   PinnedBuffer pinned_;
   ThreadPool host_{download_threads};
 };
@@ -171,11 +178,17 @@ CudaBaker::~CudaBaker() = default;
 
 std::shared_ptr<const CudaInput> CudaBaker::upload(const CellInput& input) { return impl_->upload(input); }
 std::unique_ptr<CudaVolume> CudaBaker::bake(const CudaInput& input, const CellParameters& parameters) {
-  return impl_->bake(input, parameters);
+  return impl_->bake(input, parameters, true);
+}
+std::unique_ptr<CudaVolume> CudaBaker::bake_at_once(const CudaInput& input, const CellParameters& parameters) {
+  return impl_->bake(input, parameters, false);
 }
 CellVolume CudaBaker::download(std::unique_ptr<CudaVolume> volume) {
   return impl_->download(std::unique_ptr<BakedCell>(static_cast<BakedCell*>(volume.release())));
 }
+
+std::uint64_t CudaBaker::volume_bytes() const { return impl_->volume_bytes(); }
+std::uint64_t CudaBaker::expected_bytes() const { return impl_->expected_bytes(); }
 
 CellVolume CudaBaker::bake_cell(const CellInput& input, const CellParameters& parameters) {
   return download(bake(*upload(input), parameters));

@@ -72,8 +72,17 @@ class CudaBaker {
   std::shared_ptr<const CudaInput> upload(const CellInput& input);
   /// Bakes an uploaded cell, as the second step.
   std::unique_ptr<CudaVolume> bake(const CudaInput& input, const CellParameters& parameters);
+  /// Bakes like bake(), but returns null if the cell needs several parts. The memory of volumes that are not freed yet
+  /// counts in `parameters.memory_bytes`, so the same cell may need no parts later.
+  std::unique_ptr<CudaVolume> bake_at_once(const CudaInput& input, const CellParameters& parameters);
   /// Downloads a volume that this baker has baked, as the third step, and frees its device memory.
   CellVolume download(std::unique_ptr<CudaVolume> volume);
+
+  /// Returns the device memory of the volumes that are not freed yet, between two calls of bake().
+  std::uint64_t volume_bytes() const;
+  /// Returns the device memory that bake() will probably need; 0 before the first cell. It is the max of the needs of
+  /// previous cells, which count an eighth less with each further cell.
+  std::uint64_t expected_bytes() const;
 
  private:
   class Impl;

@@ -22,7 +22,12 @@ std::shared_ptr<const CudaInput> CudaBaker::upload(const CellInput&) { throw Cud
 std::unique_ptr<CudaVolume> CudaBaker::bake(const CudaInput&, const CellParameters&) {
   throw CudaFailure(cuda_devices().reason);
 }
+std::unique_ptr<CudaVolume> CudaBaker::bake_at_once(const CudaInput&, const CellParameters&) {
+  throw CudaFailure(cuda_devices().reason);
+}
 CellVolume CudaBaker::download(std::unique_ptr<CudaVolume>) { throw CudaFailure(cuda_devices().reason); }
+std::uint64_t CudaBaker::volume_bytes() const { throw CudaFailure(cuda_devices().reason); }
+std::uint64_t CudaBaker::expected_bytes() const { throw CudaFailure(cuda_devices().reason); }
 
 }  // namespace gigabake::kernels
 #endif

@@ -87,12 +87,12 @@ struct CellBake::Units {
 CellBake::CellBake(DeviceHeap& heap, const Tables& tables)
     : heap_(heap), tables_(tables), clock_(heap.stream()), host_(download_threads) {}
 
-void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameters, BakedCell& out) {
+bool CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameters, bool may_split, BakedCell& out) {
   out.window_min = parameters.window_min;
   out.max_error = parameters.max_error;
   const InputView input = uploaded.view();
   const bool has_triangles = input.triangle_count != 0;
-  if (!has_triangles && parameters.edits == nullptr) return;
+  if (!has_triangles && parameters.edits == nullptr) return true;
   // Live bytes should stay within 1.2 times input and output. The output per triangle is estimated from the last cell.
   const double input_bytes = double(uploaded.bytes_with_textures()),
                output_bytes = output_per_triangle_ * double(input.triangle_count);
@@ -118,8 +118,10 @@ void CellBake::bake(const DeviceInput& uploaded, const CellParameters& parameter
   }
   clock_.mark(1);
   heap_.limit_to(cell.limit);
-  if (!bake_at_once(cell, out)) bake_in_parts(cell, out);
+  const bool is_baked = bake_at_once(cell, out);
+  if (!is_baked && may_split) bake_in_parts(cell, out);
   wait_for(heap_.stream(), "cudaStreamSynchronize (bake)");
+  return is_baked || may_split;
 }
 
 /// Computes the levels [0, lods) of a range of bricks. Records the clock's marks 2 to 5.

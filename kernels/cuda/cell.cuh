@@ -43,9 +43,10 @@ class CellBake {
 
   /// Bakes a cell and waits for the stream. `parameters.memory_bytes` is the device memory for input, working arrays
   /// and result together. Textures have a separate budget. The smallest part is an octree node with 1/32768 of the
-  /// window, but at least 32³ voxels. It is baked even if it exceeds the memory.
+  /// window, but at least 32³ voxels. It is baked even if it exceeds the memory. If `may_split` is false and the cell
+  /// needs several parts, returns false and changes nothing.
   /// Errors  CudaFailure.
-  void bake(const DeviceInput& input, const CellParameters& parameters, BakedCell& out);
+  bool bake(const DeviceInput& input, const CellParameters& parameters, bool may_split, BakedCell& out);
 
  private:
   struct Cell;

@@ -42,6 +42,7 @@ void run_stage(InFlightCell& cell, const char* step, double CellReport::*seconds
     cell.loaded.reset();
     cell.device_input.reset();
     cell.device_volume.reset();
+    cell.volume_count.reset();
     cell.packed.reset();
     cell.volume = {};
     cell.publication.reset();
@@ -208,6 +209,7 @@ class CellPipeline::Stages {
   void compute_all() {
     BoundedQueue<std::unique_ptr<InFlightCell>>& next = has_device_ ? computed_ : ready_;
     while (auto cell = loaded_.take()) {
+      stages_.wait_for_device_memory();
       run_stage(**cell, "compute", &CellReport::kernel_s, BakeStage::kernels, CellOutcome::refused,
                 [this](InFlightCell& c) {
                   stages_.compute(c);

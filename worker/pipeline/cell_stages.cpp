@@ -13,43 +13,16 @@
 #include "format/source/levels/named_voxel_sizes.h"
 #include "format/system/meters/stage_clock.h"
 #include "kernels/cpu/bake_cell.h"
+#include "worker/device/device_start.h"
 #include "worker/pipeline/cell_parameters.h"
 #include "worker/pipeline/clipped_cell.h"
-#include "worker/device/device_start.h"
 #include "worker/pipeline/lattice.h"
+#include "worker/pipeline/memory_shares.h"
 #include "worker/pipeline/shard_from_volume.h"
 #include "worker/pipeline/writer_pool_size.h"
 
 namespace gigabake {
 namespace {
-
-constexpr std::uint64_t min_kernel_bytes = std::uint64_t(16) << 20;
-
-std::uint64_t cache_bytes(const WorkerOptions& options) {
-  return options.memory_bytes == 0 ? std::numeric_limits<std::uint64_t>::max() : options.memory_bytes / 4;
-}
-
-/// Returns the kernels' memory for one of the cells that are computed concurrently. 0 means no limit.
-std::uint64_t kernel_bytes(const WorkerOptions& options) {
-  if (options.memory_bytes == 0) return 0;
-  return std::max(options.memory_bytes / 2 / concurrent_cells_for(options), min_kernel_bytes);
-}
-
-/// Returns the target for the memory of the device. 0 means no limit.
-std::uint64_t device_bytes(const WorkerOptions& options) {
-  return options.device_bytes != 0 ? options.device_bytes : options.memory_bytes;
-}
-
-/// Returns the kernels' memory on the device. 0 means no limit.
-std::uint64_t device_kernel_bytes(const WorkerOptions& options) {
-  const std::uint64_t bytes = device_bytes(options);
-  return bytes == 0 ? 0 : std::max(bytes / 2, min_kernel_bytes);
-}
-
-std::uint64_t overview_bytes(const WorkerOptions& options) {
-  constexpr std::uint64_t unbounded = std::uint64_t(512) << 20;
-  return options.memory_bytes == 0 ? unbounded : options.memory_bytes / 32;
-}
 
 const WorkerOptions& with_shard_folder(const WorkerOptions& options) {
   std::error_code error;
@@ -196,13 +169,13 @@ void CellStages::prepare() {
 }
 
 void CellStages::make_baker() {
-  std::call_once(device_is_made_, [this] {
-    const TraceSpan span("make baker");
-    start_device(*options_.cuda_device);
-    while (packers_.size() < readback_workers + 1)
-      packers_.push_back(std::make_unique<kernels::CudaPacker>(*options_.cuda_device));
-    cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, device_bytes(options_) / 4);
-  });
+  const std::scoped_lock lock(making_device_);  // std::call_once hangs under ThreadSanitizer if its function throws
+  if (cuda_) return;
+  const TraceSpan span("make baker");
+  start_device(*options_.cuda_device);
+  while (packers_.size() < readback_workers)
+    packers_.push_back(std::make_unique<kernels::CudaPacker>(*options_.cuda_device));
+  cuda_ = std::make_unique<kernels::CudaBaker>(*options_.cuda_device, texture_bytes(options_));
 }
 
 void CellStages::read(InFlightCell& cell) {
@@ -243,23 +216,34 @@ void CellStages::bake_overview(InFlightCell& overview) const {
 void CellStages::compute(InFlightCell& cell) {
   if (is_overview(cell.job)) return bake_overview(cell);
   const bool baked = on_device(cell, [&] {
-    cell.device_volume = cuda_->bake(*cell.device_input, parameters_of(cell, device_kernel_bytes(options_)));
+    cell.device_volume = bake_on_device(cell);
+    cell.volume_count = volumes_.add();
     cell.device_input.reset();
     cell.report.on_device = true;
   });
-  if (!baked) return bake_on_cpu(cell);
-  if (is_alone_on_device(cell.device_volume->stats())) read_back(cell, readback_workers);
+  if (!baked) bake_on_cpu(cell);
 }
 
-/// Returns true if a next cell of the same size would not fit into device memory together with the cells that are being
-/// read back.
-bool CellStages::is_alone_on_device(const kernels::CellStats& stats) const {
+/// Bakes the cell in parts only if it does not fit into the memory by itself.
+std::unique_ptr<kernels::CudaVolume> CellStages::bake_on_device(const InFlightCell& cell) {
+  const kernels::CellParameters parameters = parameters_of(cell, device_kernel_bytes(options_));
+  if (!volumes_.is_zero()) {
+    if (auto volume = cuda_->bake_at_once(*cell.device_input, parameters)) return volume;
+    volumes_.wait_until([] { return false; });
+  }
+  return cuda_->bake(*cell.device_input, parameters);
+}
+
+void CellStages::wait_for_device_memory() {
   const std::uint64_t memory = device_kernel_bytes(options_);
-  return memory != 0 && (readback_workers + 1) * stats.peak_bytes > memory;
+  if (memory == 0 || volumes_.is_zero()) return;
+  const TraceSpan span("wait for device memory");
+  volumes_.wait_until([&] { return cuda_->volume_bytes() + cuda_->expected_bytes() <= memory; });
 }
 
 void CellStages::read_back(InFlightCell& cell, std::size_t readback_worker) {
   if (cell.device_volume) read_back_from_device(cell, *packers_.at(readback_worker));
+  cell.volume_count.reset();
   cell.loaded.reset();
   take_stats(cell);
   if (!cell.packed && cell.volume.levels.empty()) decide(cell, CellOutcome::empty);
@@ -289,16 +273,19 @@ void CellStages::pack_on_device(InFlightCell& cell, kernels::CudaPacker& packer)
   pack_beside_others(cell, packer, request);
 }
 
-/// Packs with one readback worker's fraction of the memory. If this fraction is too small, waits for the other readback
-/// workers and packs with all of the memory.
+/// Packs with one readback worker's fraction of the memory. If it is small or does not suffice, waits for the other
+/// readback workers and packs with all of the memory.
 void CellStages::pack_beside_others(InFlightCell& cell, kernels::CudaPacker& packer, kernels::PackRequest& request) {
-  const std::uint64_t memory = device_bytes(options_) / 4;
-  try {
-    const std::shared_lock lock(packing_);
-    request.memory_bytes = memory / readback_workers;
-    cell.packed = packer.pack(*cell.device_volume, request);
-    return;
-  } catch (const DeviceFull&) {
+  constexpr std::uint64_t min_bytes = std::uint64_t(128) << 20;  // for large batches of chunks
+  const std::uint64_t memory = packing_bytes(options_), fraction = memory / readback_workers;
+  if (memory == 0 || fraction >= min_bytes) {
+    try {
+      const std::shared_lock lock(packing_);
+      request.memory_bytes = fraction;
+      cell.packed = packer.pack(*cell.device_volume, request);
+      return;
+    } catch (const DeviceFull&) {
+    }
   }
   const std::scoped_lock lock(packing_);
   request.memory_bytes = memory;

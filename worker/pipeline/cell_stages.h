@@ -22,6 +22,7 @@
 #include "worker/overview/overview_inputs.h"
 #include "worker/pipeline/cell_loader.h"
 #include "worker/pipeline/cell_pipeline.h"
+#include "worker/pipeline/live_count.h"
 
 namespace gigabake {
 
@@ -41,6 +42,7 @@ struct InFlightCell {
   OverviewChildren children;               ///< input of an overview, instead of `loaded`
   std::shared_ptr<const kernels::CudaInput> device_input;
   std::unique_ptr<kernels::CudaVolume> device_volume;  ///< kept until it is packed or on the host
+  std::shared_ptr<const void> volume_count;            ///< counts `device_volume` in CellStages::volumes_
   std::optional<kernels::PackedCell> packed;           ///< if set, `volume` is empty
   kernels::CellVolume volume;
   std::unique_ptr<Publication> publication;  ///< of the written shard, until it is published
@@ -70,9 +72,12 @@ class CellStages {
   /// Computes the volume from the loaded data: on the device if there is one and the cell is not an overview. If the
   /// device fails, the cell is baked on the CPU, and the report has a note.
   void compute(InFlightCell& cell);
+  /// Waits until a cell like the previous ones fits into device memory next to the cells that are not read back yet.
+  /// Call it before compute(), in the same thread.
+  void wait_for_device_memory();
   /// Reads a cell back from the device, packed as columns. If packing fails, reads the volume back for the host to
   /// pack. Sets the outcome `empty` if no voxel is occupied. May run while the next cell is computed.
-  /// `readback_worker`, 0 to readback_workers, selects the packer. Concurrent calls for cells on the device need
+  /// `readback_worker`, below readback_workers, selects the packer. Concurrent calls for cells on the device need
   /// different values.
   void read_back(InFlightCell& cell, std::size_t readback_worker);
   /// Computes the volume from the voxels of a stored shard of the cell that are inside the area. Sets the outcome
@@ -100,11 +105,11 @@ class CellStages {
   bool is_wholly_inside(const CellJob& job) const;
   bool has_levels(const CellJob& job) const;
   void bake_overview(InFlightCell& overview) const;
+  std::unique_ptr<kernels::CudaVolume> bake_on_device(const InFlightCell& cell);
   void read_back_from_device(InFlightCell& cell, kernels::CudaPacker& packer);
   void pack_on_device(InFlightCell& cell, kernels::CudaPacker& packer);
   void pack_beside_others(InFlightCell& cell, kernels::CudaPacker& packer, kernels::PackRequest& request);
   void read_back_volume(InFlightCell& cell);
-  bool is_alone_on_device(const kernels::CellStats& stats) const;
   void take_stats(InFlightCell& cell) const;
   template <class AnyShard>
   void keep_for_overviews(const CellJob& job, AnyShard&& shard);
@@ -121,10 +126,11 @@ class CellStages {
   CellLoader loader_;
   std::mutex uploading_;  ///< the device takes the cells of several readers one at a time
   OverviewInputs overview_inputs_;
-  ThreadPool pool_, write_pool_;   ///< write_pool_: shared by concurrent writers
-  std::once_flag device_is_made_;  ///< guards the creation of the next two members
+  ThreadPool pool_, write_pool_;  ///< write_pool_: shared by concurrent writers
+  LiveCount volumes_;             ///< volumes on the device, from compute() to the end of read_back()
+  std::mutex making_device_;      ///< guards the creation of the next two members
   std::unique_ptr<kernels::CudaBaker> cuda_;
-  std::vector<std::unique_ptr<kernels::CudaPacker>> packers_;  ///< one per readback worker, and one for compute()
+  std::vector<std::unique_ptr<kernels::CudaPacker>> packers_;  ///< one per readback worker
   /// Shared while a cell is packed with a fraction of the memory; exclusive while one is packed with all of it.
   std::shared_mutex packing_;
   std::mutex download_;  ///< serializes CudaBaker::download()
