@@ -6,6 +6,7 @@
 #include <random>
 
 #include "kernels/marching/cast_line.h"
+#include "kernels/marching/locate.h"
 
 namespace gigabake::kernels {
 namespace {
@@ -57,8 +58,7 @@ TEST(NodeExits, AreTheSameForAllSamplesOfANode) {
     const LevelPoints points = level_points(scene, line, lod);
     const auto sample = [&](double step) {
       FixedPoint at = points.at(line, lod, step);
-      const std::uint64_t higher = (std::uint64_t(fixed_one) << coarser >> 1) - (std::uint64_t(fixed_one) << lod >> 1);
-      for (std::uint64_t& bits : at.bits) bits -= higher;
+      count_for_level(lod, coarser, at);
       return at;
     };
     const auto exit_at = [&](double step) {
