@@ -1,10 +1,12 @@
 /// Packing of a brick for the pools, from one row of bits per row of voxels.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "kernels/pool/cast_brick.h"
+#include "kernels/pool/voxel_run.h"
 
 namespace gigabake::kernels {
 
@@ -18,10 +20,17 @@ struct SlotVoxels {
 /// pool.
 struct CastBrick {
   CastHead head = {};
-  std::vector<PackedVoxel> parts;  ///< empty if the brick has no voxel
+  std::uint32_t part_count = 0;                        ///< number of parts in the pool; 0 if the brick has no voxel
+  std::vector<PackedVoxel> parts;                      ///< all parts, or only the layers if there are runs
+  std::vector<VoxelRun> runs;                          ///< the voxels, if they are copied from pages
+  std::array<PooledPage, max_brick_pages> pages = {};  ///< of `runs`
+  std::int32_t lod = 0;                                ///< level of the voxels of `runs`
 };
 
 /// Packs a slot; replaces the contents of `brick`.
 void pack_brick(const SlotVoxels& slot, CastBrick& brick);
+
+/// Packs the layers of a slot; replaces the contents of `brick` except for its runs and their pages and level.
+void pack_layers(const SlotVoxels& slot, CastBrick& brick);
 
 }  // namespace gigabake::kernels

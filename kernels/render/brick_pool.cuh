@@ -8,6 +8,7 @@
 #include "kernels/cuda/device/memory.cuh"
 #include "kernels/cuda/device/upload_ring.cuh"
 #include "kernels/render/caster.h"
+#include "kernels/render/device_page_pool.cuh"
 
 namespace gigabake::kernels {
 
@@ -20,7 +21,7 @@ class BrickPool {
 
   /// Implements Caster::put_bricks() and move_voxels(). The caller may change the arguments after the call; the stream
   /// executes the copies in order.
-  void put(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks);
+  void put(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks, const DevicePagePool& pages);
   void move(const std::vector<VoxelMove>& moves);
 
  private:

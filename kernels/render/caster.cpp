@@ -18,13 +18,15 @@ constexpr std::size_t blocks_per_range = 4, copies_per_range = 64;
 
 class CpuCaster final : public Caster {
  public:
-  CpuCaster(const CastScene& scene, const PoolSizes& sizes, const ThreadPool& pool)
+  CpuCaster(const CastScene& scene, const PoolSizes& sizes, const PagePoolSize& pages, const ThreadPool& pool)
       : pool_(pool),
         scene_(scene),
         nodes_(std::size_t(8) * sizes.tiles, pack_node({})),
         parent_bricks_(sizes.tiles),
         heads_(new CastHead[sizes.slots]),
         voxels_(new PackedVoxel[sizes.voxels]),
+        pages_(pages),
+        shading_(pages.shading),
         tile_used_(sizes.tiles),
         slot_used_(sizes.slots),
         wanted_(sizes.request_words()) {
@@ -36,6 +38,8 @@ class CpuCaster final : public Caster {
     scene_.pass = 0;
   }
 
+  void put_pages(const std::vector<PageUpload>& pages) override { pages_.put(pages, pool_); }
+
   void put_bricks(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) override {
     // The first write to a part of the pool also makes the system allocate its memory, so all threads write.
     pool_.parallel_for(places.size(), copies_per_range, [&](std::size_t begin, std::size_t end, int) {
@@ -44,6 +48,7 @@ class CpuCaster final : public Caster {
         head = bricks[i].head;
         head.first = places[i].first;
         std::copy(bricks[i].parts.begin(), bricks[i].parts.end(), voxels_.get() + places[i].first);
+        copy_pooled_runs(shading_, pages_.voxels(), bricks[i], voxels_.get() + places[i].first);
       }
     });
   }
@@ -255,6 +260,8 @@ class CpuCaster final : public Caster {
   // The arrays are not initialised, because untouched pages cost no memory.
   std::unique_ptr<CastHead[]> heads_;
   std::unique_ptr<PackedVoxel[]> voxels_;
+  PagePool pages_;
+  StoredVoxelShading shading_;
   std::vector<std::uint32_t> tile_used_, slot_used_, wanted_;
   CastCamera camera_;
   CastTile tile_;
@@ -275,8 +282,9 @@ std::uint64_t PoolSizes::bytes() const {
          voxels * std::uint64_t(sizeof(PackedVoxel));
 }
 
-std::unique_ptr<Caster> make_cpu_caster(const CastScene& scene, const PoolSizes& sizes, const ThreadPool& pool) {
-  return std::make_unique<CpuCaster>(scene, sizes, pool);
+std::unique_ptr<Caster> make_cpu_caster(const CastScene& scene, const PoolSizes& sizes, const PagePoolSize& pages,
+                                        const ThreadPool& pool) {
+  return std::make_unique<CpuCaster>(scene, sizes, pages, pool);
 }
 
 }  // namespace gigabake::kernels

@@ -13,6 +13,7 @@
 #include "kernels/marching/tile_grid.cuh"
 #include "kernels/render/brick_pool.cuh"
 #include "kernels/render/caster.h"
+#include "kernels/render/device_page_pool.cuh"
 
 namespace gigabake::kernels {
 namespace {
@@ -57,7 +58,8 @@ __global__ void list_requests(const std::uint32_t* requested, std::uint32_t word
 
 class CudaCaster final : public Caster {
  public:
-  CudaCaster(const CastScene& scene, const PoolSizes& sizes, int device, const ThreadPool& pool)
+  CudaCaster(const CastScene& scene, const PoolSizes& sizes, const PagePoolSize& pages, int device,
+             const ThreadPool& pool)
       : device_(device),
         stream_(device),
         heap_(stream_.handle, memory_stats_),
@@ -68,7 +70,11 @@ class CudaCaster final : public Caster {
         nodes_(copy_of(std::vector<NodeWord>(std::size_t(8) * sizes.tiles, pack_node({})))),
         parent_bricks_(heap_, sizes.tiles),
         uploads_(heap_),
-        bricks_(heap_, uploads_, pool, sizes),
+        data_stream_(device, StreamPriority::high),
+        data_heap_(data_stream_.handle, memory_stats_),
+        data_uploads_(data_heap_),
+        pages_(data_heap_, data_uploads_, pool, pages, tables_.view()),
+        bricks_(data_heap_, data_uploads_, pool, sizes),
         tile_used_(zeros<std::uint32_t>(sizes.tiles)),
         slot_used_(zeros<std::uint32_t>(sizes.slots)),
         wanted_(zeros<std::uint32_t>(sizes.request_words())),
@@ -89,22 +95,35 @@ class CudaCaster final : public Caster {
     scene_.feedback = {tile_used_.data(), slot_used_.data(), wanted_.data()};
     scene_.pass = 0;
     finish("making pools");
+    wait_for(data_stream_.handle, "making pools");
+  }
+
+  ~CudaCaster() override {
+    cudaStreamSynchronize(stream_.handle);  // the streams use each other's arrays
+    cudaStreamSynchronize(data_stream_.handle);
+  }
+
+  void put_pages(const std::vector<PageUpload>& pages) override {
+    use_device();
+    pages_.put(pages);
   }
 
   void put_bricks(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) override {
     if (places.empty()) return;
     use_device();
-    bricks_.put(places, bricks);
+    bricks_.put(places, bricks, pages_);
   }
 
   void move_voxels(const std::vector<VoxelMove>& moves) override {
     use_device();
     bricks_.move(moves);
+    wait_for_data();
   }
 
   void put_nodes(const std::vector<NodeChange>& changes) override {
     if (changes.empty()) return;
     use_device();
+    wait_for_data();
     const NodeChange* const sent = uploads_.send(changes);
     apply_changes<<<grid_of(changes.size(), 128), 128, 0, stream_.handle>>>(sent, std::uint32_t(changes.size()),
                                                                             nodes_.data(), parent_bricks_.data());
@@ -239,6 +258,12 @@ class CudaCaster final : public Caster {
     polygons = {polygon_distance_.data(), polygon_rgba_.data()};
   }
 
+  /// Makes rays wait for the bricks that were put or moved so far.
+  void wait_for_data() {
+    check_cuda(cudaEventRecord(data_sent_.handle, data_stream_.handle), "cudaEventRecord");
+    check_cuda(cudaStreamWaitEvent(stream_.handle, data_sent_.handle), "cudaStreamWaitEvent");
+  }
+
   void use_device() { check_cuda(cudaSetDevice(device_), "cudaSetDevice"); }
 
   void finish(const char* what) { check_cuda(cudaStreamSynchronize(stream_.handle), what); }
@@ -298,6 +323,12 @@ class CudaCaster final : public Caster {
   DeviceArray<NodeWord> nodes_;
   DeviceArray<std::uint32_t> parent_bricks_;
   UploadRing uploads_;
+  /// Pages and bricks have an own stream, so that another thread uploads them while rays are cast.
+  Stream data_stream_;
+  DeviceHeap data_heap_;
+  UploadRing data_uploads_;
+  Event data_sent_;
+  DevicePagePool pages_;
   BrickPool bricks_;
   DeviceArray<std::uint32_t> tile_used_, slot_used_, wanted_, request_list_, count_;
   DeviceArray<unsigned long long> unfinished_;
@@ -317,9 +348,9 @@ class CudaCaster final : public Caster {
 
 }  // namespace
 
-std::unique_ptr<Caster> make_cuda_caster(const CastScene& scene, const PoolSizes& sizes, int device,
-                                         const ThreadPool& policy) {
-  return std::make_unique<CudaCaster>(scene, sizes, device, policy);
+std::unique_ptr<Caster> make_cuda_caster(const CastScene& scene, const PoolSizes& sizes, const PagePoolSize& pages,
+                                         int device, const ThreadPool& policy) {
+  return std::make_unique<CudaCaster>(scene, sizes, pages, device, policy);
 }
 
 }  // namespace gigabake::kernels

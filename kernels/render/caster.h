@@ -14,6 +14,7 @@
 #include "kernels/marching/cast.h"
 #include "kernels/marching/pixel.h"
 #include "kernels/pool/pack_brick.h"
+#include "kernels/render/page_pool.h"
 
 namespace gigabake::kernels {
 
@@ -48,6 +49,10 @@ class Caster {
  public:
   virtual ~Caster() = default;
 
+  /// Copies pages to the page pool. One thread may call put_pages() and put_bricks() while another one casts.
+  virtual void put_pages(const std::vector<PageUpload>& pages) = 0;
+  /// Copies bricks to the pools, and the voxels of their runs out of the page pool.
+  /// Range   The pages of the bricks' runs are in the page pool. No node refers to the slots until put_nodes().
   virtual void put_bricks(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) = 0;
   /// Moves slots' parts towards the start of the voxel pool.
   /// Range   Moves are in ascending order and lead towards the start; the result has no gaps. The first move leads to
@@ -104,13 +109,14 @@ class Caster {
 
 /// Creates a caster on the CPU. The cells and columns of `scene` are borrowed and must not change; the caster owns the
 /// pools and marks. All nodes are initially not resident. `policy` is borrowed.
-std::unique_ptr<Caster> make_cpu_caster(const CastScene& scene, const PoolSizes& sizes, const ThreadPool& policy);
+std::unique_ptr<Caster> make_cpu_caster(const CastScene& scene, const PoolSizes& sizes, const PagePoolSize& pages,
+                                        const ThreadPool& policy);
 
 /// Creates a caster on a GPU and copies the arrays of `scene`. `device` is an ordinal that cuda_devices() returned.
 /// `policy` is borrowed and used to copy images.
 /// Exact   Rays are bit-identical to the CPU's.
 /// Errors  CudaFailure: out of device memory; no CUDA in this build.
-std::unique_ptr<Caster> make_cuda_caster(const CastScene& scene, const PoolSizes& sizes, int device,
-                                         const ThreadPool& policy);
+std::unique_ptr<Caster> make_cuda_caster(const CastScene& scene, const PoolSizes& sizes, const PagePoolSize& pages,
+                                         int device, const ThreadPool& policy);
 
 }  // namespace gigabake::kernels

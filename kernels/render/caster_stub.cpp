@@ -5,7 +5,8 @@
 
 namespace gigabake::kernels {
 
-std::unique_ptr<Caster> make_cuda_caster(const CastScene&, const PoolSizes&, int, const ThreadPool&) {
+std::unique_ptr<Caster> make_cuda_caster(const CastScene&, const PoolSizes&, const PagePoolSize&, int,
+                                         const ThreadPool&) {
   throw CudaFailure(cuda_devices().reason);
 }
 

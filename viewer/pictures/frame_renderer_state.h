@@ -147,7 +147,8 @@ struct FrameRenderer::State {
                                 policy.threads(),
                                 options.cuda_device,
                                 options.device_bytes,
-                                filling_key.cells_alone};
+                                filling_key.cells_alone,
+                                {}};
     try {
       stream = std::make_unique<SceneStream>(*scene, source, wishes, policy, table || paged_table ? &numbers : nullptr);
     } catch (const CudaFailure& failure) {

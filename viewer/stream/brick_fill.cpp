@@ -13,21 +13,37 @@ namespace {
 using kernels::CastBrick;
 using kernels::slot_edge;
 using kernels::VoxelBox;
+using kernels::VoxelRun;
 
 /// A box of voxels in a slot.
 using SlotPart = Box3<int>;
 
+/// A list of the runs of one brick, without allocations.
+class RunList {
+ public:
+  void push_back(const VoxelRun& run) { runs_[count_++] = run; }
+  void clear() { count_ = 0; }
+  const VoxelRun* begin() const { return runs_; }
+  const VoxelRun* end() const { return runs_ + count_; }
+
+ private:
+  std::size_t count_ = 0;
+  VoxelRun runs_[kernels::slot_voxels];  ///< each run has at least one voxel
+};
+
 class BrickFiller {
  public:
   BrickFiller(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,
-              MissingPages& missing_pages, CastBrick& brick)
+              NodePath& path, MissingPages& missing_pages, CastBrick& brick, BrickPages& pages)
       : lod_(node.lod),
         top_(layout.scene.lods - 1),
         corner_(box_of(node, layout)),
         lookup_(lookup),
-        shading_(shading),
+        shading_(shading.parameters()),
         gaps_(missing_pages),
-        brick_(brick) {}
+        brick_(brick),
+        pages_(pages),
+        path_(path) {}
 
   /// Fills the brick's own voxels, then the border from the neighbours at three faces, three edges and one corner.
   bool fill() {
@@ -39,8 +55,15 @@ class BrickFiller {
       }
       fill_part(part);
     }
-    kernels::pack_brick(slot_, brick_);
-    return !brick_.parts.empty();
+    brick_.lod = lod_;
+    if (has_own_voxels_) {
+      for (const VoxelRun& run : runs_) expand(run);
+      kernels::pack_brick(slot_, brick_);
+    } else {
+      kernels::pack_layers(slot_, brick_);
+      brick_.runs.assign(runs_.begin(), runs_.end());
+    }
+    return brick_.part_count != 0;
   }
 
  private:
@@ -74,7 +97,9 @@ class BrickFiller {
     }
   }
 
+  /// Sets a voxel that is not a copy of one in a page.
   void put(int x, int y, int z, const kernels::PackedVoxel& voxel) {
+    has_own_voxels_ = true;
     slot_.voxel[x + slot_edge * (y + slot_edge * z)] = voxel;
     slot_.row[z][y] = std::uint16_t(slot_.row[z][y] | 1u << x);
   }
@@ -132,28 +157,20 @@ class BrickFiller {
     if (place.kind == VoxelPlace::Kind::constant) return kernels::unpack_voxel(constant_voxel(place, lod));
     if (place.kind != VoxelPlace::Kind::brick) return {};
     const auto at = static_cast<Vec3<int>>((v - place.box.min) >> lod);
-    const std::uint64_t* mask = &place.block->mask[8 * place.brick];
+    const std::uint64_t* mask = &place.page->bricks.mask[8 * place.brick];
     const int bit = at[0] + 8 * at[1];
     if ((mask[at[2]] >> bit & 1) == 0) return {};
-    std::uint32_t rank = place.block->first[place.brick];
+    std::uint32_t rank = place.page->bricks.first[place.brick];
     for (int z = 0; z < at[2]; ++z) rank += std::uint32_t(std::popcount(mask[z]));
     rank += std::uint32_t(std::popcount(mask[at[2]] & ((std::uint64_t(1) << bit) - 1)));
-    return kernels::unpack_voxel(stored_voxel(*place.block, rank, lod));
+    return kernels::unpack_voxel(kernels::shaded_voxel(shading_, lod, voxels_of(*place.page), rank));
   }
 
   kernels::PackedVoxel constant_voxel(const VoxelPlace& place, int lod) const {
-    return shading_(lod, place.rgba.data(), place.normal.data(),
-                    place.has_directional_coverage ? place.directional_coverage.data() : nullptr, place.voxel_class);
-  }
-
-  kernels::PackedVoxel stored_voxel(const BrickBlock& block, std::uint32_t rank, int lod) const {
-    const std::int8_t* normal = block.normal.empty() ? nullptr : &block.normal[2 * std::size_t(rank)];
-    const std::uint8_t* directional_coverage =
-        block.directional_coverage.empty()
-            ? nullptr
-            : &block.directional_coverage[directional_coverage_bytes * std::size_t(rank)];
-    return shading_(lod, &block.rgba[4 * std::size_t(rank)], normal, directional_coverage,
-                    block.voxel_class.empty() ? no_class : block.voxel_class[rank]);
+    const kernels::StoredVoxels voxel{place.rgba.data(), place.normal.data(),
+                                      place.has_directional_coverage ? place.directional_coverage.data() : nullptr,
+                                      &place.voxel_class};
+    return kernels::shaded_voxel(shading_, lod, voxel, 0);
   }
 
   void fill_constant(const SlotPart& part, const VoxelPlace& place) {
@@ -164,41 +181,69 @@ class BrickFiller {
   }
 
   void fill_from_brick(const SlotPart& part, const VoxelPlace& place, std::int64_t half) {
-    const std::uint64_t* mask = &place.block->mask[8 * place.brick];
+    const std::uint64_t* mask = &place.page->bricks.mask[8 * place.brick];
     Vec3<int> from;
     for (int a = 0; a < 3; ++a)
       from[a] = int((lattice(a, part.min[a]) + (a == 2 ? half : 0) - place.box.min[a]) >> lod_);
-    std::uint32_t before = place.block->first[place.brick];
+    const std::uint8_t page = number_of(*place.page);
+    const int width = part.end[0] - part.min[0];
+    std::uint32_t before = place.page->bricks.first[place.brick];
     for (int z = 0; z < from[2]; ++z) before += std::uint32_t(std::popcount(mask[z]));
     for (int z = part.min[2]; z < part.end[2]; ++z) {
       const std::uint64_t word = mask[from[2] + z - part.min[2]];
       for (int y = part.min[1]; y < part.end[1]; ++y) {
-        const int row = 8 * (from[1] + y - part.min[1]);
-        const std::uint32_t rank = before + std::uint32_t(std::popcount(word & ((std::uint64_t(1) << row) - 1)));
-        fill_row(part, y, z, std::uint32_t(word >> row & 255), from[0], *place.block, rank);
+        const int bit = 8 * (from[1] + y - part.min[1]) + from[0];
+        const std::uint32_t row = std::uint32_t(word >> bit) & ((1u << width) - 1);
+        if (row == 0) continue;
+        const std::uint32_t rank = before + std::uint32_t(std::popcount(word & ((std::uint64_t(1) << bit) - 1)));
+        add_run(part.min[0], y, z, row, rank, page);
       }
       before += std::uint32_t(std::popcount(word));
     }
   }
 
-  /// Fills a row of `part`. `stored` is the mask of the row in the stored brick; `rank` is the index of the row's first
-  /// voxel in the block.
-  void fill_row(const SlotPart& part, int y, int z, std::uint32_t stored, int from_x, const BrickBlock& block,
-                std::uint32_t rank) {
-    for (std::uint32_t rest = stored; rest != 0; rest &= rest - 1, ++rank) {
-      const int x = part.min[0] + std::countr_zero(rest) - from_x;
-      if (x < part.min[0] || x >= part.end[0]) continue;
-      put(x, y, z, stored_voxel(block, rank, lod_));
+  /// Adds the voxels `row` of a row of the slot; bit 0 is the voxel at x. `rank` is the index of the first one in the
+  /// page.
+  void add_run(int x, int y, int z, std::uint32_t row, std::uint32_t rank, std::uint8_t page) {
+    slot_.row[z][y] = std::uint16_t(slot_.row[z][y] | row << x);
+    const int first = x + std::countr_zero(row);
+    runs_.push_back(
+        {rank, std::uint16_t(first + slot_edge * (y + slot_edge * z)), std::uint8_t(std::popcount(row)), page});
+  }
+
+  /// Returns the page's index in pages_. If they are full, replaces all runs with voxels first.
+  std::uint8_t number_of(const Page& page) {
+    for (std::uint8_t i = 0; i < page_count_; ++i)
+      if (pages_[i] == &page) return i;
+    if (page_count_ == kernels::max_brick_pages) {
+      for (const VoxelRun& run : runs_) expand(run);
+      runs_.clear();
+      page_count_ = 0;
     }
+    pages_[page_count_] = &page;
+    return page_count_++;
+  }
+
+  /// Sets the voxels of a run.
+  void expand(const VoxelRun& run) {
+    const kernels::StoredVoxels voxels = voxels_of(*pages_[run.page]);
+    const int x0 = run.place % slot_edge, y = run.place / slot_edge % slot_edge, z = run.place / slot_edge / slot_edge;
+    std::uint32_t row = std::uint32_t(slot_.row[z][y]) >> x0 << x0;
+    for (std::uint32_t k = 0; k < run.count; ++k, row &= row - 1)
+      put(std::countr_zero(row), y, z, kernels::shaded_voxel(shading_, lod_, voxels, run.from + k));
   }
 
   int lod_, top_;
   VoxelBox corner_;
   const VoxelLookup& lookup_;
-  const Shading& shading_;
+  const kernels::StoredVoxelShading& shading_;
   MissingPages& gaps_;
   CastBrick& brick_;
-  NodePath path_;
+  BrickPages& pages_;
+  NodePath& path_;
+  std::uint8_t page_count_ = 0;
+  bool has_own_voxels_ = false;
+  RunList runs_;
   kernels::SlotVoxels slot_;
 };
 
@@ -226,8 +271,21 @@ ChildMasks children_of(const FieldNode& node, const CellLayout& layout, const Vo
 }
 
 bool fill_brick(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,
-                MissingPages& missing_pages, CastBrick& brick) {
-  return BrickFiller(node, layout, lookup, shading, missing_pages, brick).fill();
+                NodePath& path, MissingPages& missing_pages, CastBrick& brick, BrickPages& pages) {
+  return BrickFiller(node, layout, lookup, shading, path, missing_pages, brick, pages).fill();
+}
+
+kernels::StoredVoxels voxels_of(const Page& page) {
+  const BrickBlock& bricks = page.bricks;
+  const auto column = [](const auto& values) { return values.empty() ? nullptr : values.data(); };
+  return {bricks.rgba.data(), column(bricks.normal), column(bricks.directional_coverage), column(bricks.voxel_class)};
+}
+
+void copy_runs(const Shading& shading, const BrickPages& pages, CastBrick& brick) {
+  if (brick.runs.empty()) return;
+  std::array<kernels::StoredVoxels, kernels::max_brick_pages> columns;
+  for (std::size_t i = 0; i < pages.size() && pages[i] != nullptr; ++i) columns[i] = voxels_of(*pages[i]);
+  kernels::copy_runs(shading.parameters(), columns, brick);
 }
 
 }  // namespace gigabake

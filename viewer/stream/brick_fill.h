@@ -2,6 +2,7 @@
 /// border of the lowest layers of its upper neighbours, also across cells.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "kernels/render/caster.h"
@@ -37,9 +38,20 @@ struct ChildMasks {
 ChildMasks children_of(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup,
                        MissingPages& missing_pages);
 
-/// Fills the brick; returns false if the brick and its border contain no voxels. The result is valid only if
-/// missing_pages.missing stays empty.
+/// The pages that the runs of a brick name; null from the first unused index on. They are valid until the pager's next
+/// pass.
+using BrickPages = std::array<const Page*, kernels::max_brick_pages>;
+
+/// Fills the brick; returns false if the brick and its border contain no voxels. If all voxels lie in few pages, the
+/// brick has runs (kernels/pool/voxel_run.h) and `pages` are their pages. The result is valid only if
+/// missing_pages.missing stays empty. The next call with `path` starts at the path of the last lookup.
 bool fill_brick(const FieldNode& node, const CellLayout& layout, const VoxelLookup& lookup, const Shading& shading,
-                MissingPages& missing_pages, kernels::CastBrick& brick);
+                NodePath& path, MissingPages& missing_pages, kernels::CastBrick& brick, BrickPages& pages);
+
+/// Returns the columns of a page of bricks.
+kernels::StoredVoxels voxels_of(const Page& page);
+
+/// Replaces the runs of the brick with the voxels.
+void copy_runs(const Shading& shading, const BrickPages& pages, kernels::CastBrick& brick);
 
 }  // namespace gigabake

@@ -32,6 +32,7 @@ struct PageKey {
   /// scene.xml to a page decreases the value by 1.
   static constexpr std::int32_t listing = -2;
 
+  friend bool operator==(const PageKey&, const PageKey&) = default;
   friend auto operator<=>(const PageKey&, const PageKey&) = default;
 };
 
@@ -51,12 +52,20 @@ struct ListedPage {
   std::uint32_t first_cell = 0;
 };
 
+/// The use of a page by the page pool of a caster (pooled_pages.h). One thread at a time reads and changes it.
+struct PagePoolMark {
+  std::uint64_t position = 0;  ///< of the page's voxels in the pool; 0: never in the pool
+  std::uint32_t uses = 0;      ///< bricks that needed the page while it was not in the pool
+};
+
 struct Page {
   std::vector<NodeRow> rows;      ///< in a page of node rows
   BrickBlock bricks;              ///< in a page of bricks (format/shard/shard.h)
   std::vector<ListedCell> cells;  ///< in a listing; sorted by min x, y, z
   std::vector<ListedPage> pages;
   std::vector<ListedOverview> overviews;  ///< in a listing; sorted by own_lod, then by min x, y, z
+
+  mutable PagePoolMark pool_mark;  ///< in a page of bricks; not part of the content
 
   std::uint64_t bytes() const;  ///< memory use
 };

@@ -18,6 +18,9 @@ constexpr std::size_t max_prepared = 32768;
 /// The number of answers that are entered before the clock is checked.
 constexpr std::size_t answers_per_check = 64;
 constexpr std::uint32_t min_slots = 16;
+/// The min size of the pools of a device that have a page pool, if Options::page_pool_bytes does not set its size.
+/// Smaller pools need all their memory for bricks.
+constexpr std::uint64_t min_bytes_with_page_pool = std::uint64_t(64) << 20;
 /// The assumed average number of parts of a surface brick: its voxels, including the border, and its layers. If the
 /// average is higher, the voxel pool is full before the slots are.
 constexpr std::uint32_t parts_per_slot = 90;
@@ -36,6 +39,22 @@ std::uint64_t bytes_for_pools(const SceneStream::Options& options) {
 std::uint64_t bytes_for_pages(const SceneStream::Options& options) {
   const std::uint64_t bytes = std::min(options.memory_bytes, host_memory() / 2);
   return options.cuda_device ? bytes : bytes / 3;
+}
+
+/// Returns the size of the page pool. Its columns are the columns that shading reads.
+kernels::PagePoolSize page_pool_size(const SceneStream::Options& options, const SceneHeader& scene,
+                                     const Shading& shading) {
+  const std::uint64_t pools = bytes_for_pools(options);
+  const bool has_pool = options.cuda_device && pools >= min_bytes_with_page_pool;
+  const std::uint64_t bytes = std::min(options.page_pool_bytes.value_or(has_pool ? pools / 4 : 0), pools / 2);
+  kernels::PagePoolSize size;
+  size.has_normals = scene.has_normals;
+  size.has_directional_coverage = scene.has_directional_coverage;
+  size.has_classes = options.surface == Surface::voxel_class && scene.has_classes;
+  size.shading = shading.parameters();
+  const std::uint64_t voxels = std::min<std::uint64_t>(bytes / size.bytes_per_voxel(), 1u << 31);
+  size.voxels = std::uint32_t(voxels / kernels::page_alignment * kernels::page_alignment);
+  return size;
 }
 
 kernels::PoolSizes pool_sizes(const CellLayout& layout, std::uint64_t bytes) {
@@ -64,9 +83,10 @@ void set_leaves(const SceneHeader& header, CellLayout& layout) {
 }
 
 std::unique_ptr<kernels::Caster> make_caster(const CellLayout& layout, const kernels::PoolSizes& sizes,
-                                             const SceneStream::Options& options, const ThreadPool& policy) {
-  return options.cuda_device ? kernels::make_cuda_caster(layout.scene, sizes, *options.cuda_device, policy)
-                             : kernels::make_cpu_caster(layout.scene, sizes, policy);
+                                             const kernels::PagePoolSize& pages, const SceneStream::Options& options,
+                                             const ThreadPool& policy) {
+  return options.cuda_device ? kernels::make_cuda_caster(layout.scene, sizes, pages, *options.cuda_device, policy)
+                             : kernels::make_cpu_caster(layout.scene, sizes, pages, policy);
 }
 
 }  // namespace
@@ -104,14 +124,17 @@ SceneStream::SceneStream(const PagedScene& scene, Opened opened, PageSource sour
       shading_(options.light, scene.header(), options.surface),
       pager_(std::move(source), {options.page_threads, page_bytes_}),
       lookup_(map_, pager_),
-      allocator_(layout_.cells.size(), layout_.scene.lods, pool_sizes(layout_, bytes_for_pools(options))),
-      answers_(layout_, shading_, allocator_, pager_, lookup_, policy) {
+      page_pool_size_(page_pool_size(options, scene.header(), shading_)),
+      allocator_(layout_.cells.size(), layout_.scene.lods,
+                 pool_sizes(layout_, bytes_for_pools(options) - page_pool_size_.bytes())),
+      pooled_pages_(page_pool_size_),
+      answers_(layout_, shading_, allocator_, pager_, lookup_, pooled_pages_, policy) {
   layout_.scene.light = options.light;
   layout_.scene.is_lit =
       options.surface == Surface::colour && scene.header().has_normals && depends_on_normal(options.light);
-  const kernels::PoolSizes sizes = pool_sizes(layout_, bytes_for_pools(options));
-  pool_bytes_ = sizes.bytes();
-  caster_ = make_caster(layout_, sizes, options, policy);
+  const kernels::PoolSizes sizes = pool_sizes(layout_, bytes_for_pools(options) - page_pool_size_.bytes());
+  pool_bytes_ = sizes.bytes() + page_pool_size_.bytes();
+  caster_ = make_caster(layout_, sizes, page_pool_size_, options, policy);
 }
 
 void SceneStream::request_roots() {
@@ -149,31 +172,39 @@ void SceneStream::prepare(const std::vector<std::uint32_t>& requested, const Vec
 /// Answers requests until prepare() has to end, and enters answers until one needs an eviction. Keeps the other answers
 /// of that batch for serve().
 void SceneStream::answer_ahead(const std::vector<std::uint32_t>& requested, const Vec3d& eye) {
-  policy_.parallel_for(spent_bricks_.size(), 256, [this](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) spent_bricks_[i].parts = {};
-  });
-  spent_bricks_.clear();
   pager_.begin_pass();
   answers_.begin_pass(requested, pending_roots_, eye);
+  NewData data;
+  std::future<void> copy;  // of `data`, while the next requests are answered
+  const auto end_copy = [&] {
+    if (!copy.valid()) return;
+    copy.get();
+    answers_.reuse(std::move(data.bricks));
+  };
   while (answers_.has_next() && prepared_.empty() && prepared_work_.answers < max_prepared) {
     const std::span<RequestAnswer> batch = answers_.next_batch();
     std::ranges::move(batch.subspan(enter_without_evictions(batch)), std::back_inserter(prepared_));
+    end_copy();
+    data = take_new_data();
+    copy = std::async(std::launch::async, [&] { put(data); });
     if (stops_preparing_) break;
   }
+  end_copy();
+  if (prepared_.empty()) pooled_pages_.release();
   request_missing_pages();
 }
 
-/// Waits until prepare() has ended, and copies its new bricks and nodes to the caster.
+/// Waits until prepare() has ended, and copies its new nodes to the caster.
 void SceneStream::finish_preparing() {
   if (!preparing_.valid()) return;
   stops_preparing_ = true;
   preparing_.get();
-  put_new_bricks();
   put_changed_nodes();
 }
 
 void SceneStream::forget_prepared() {
   prepared_.clear();
+  pooled_pages_.release();
   entered_ = 0;
 }
 
@@ -196,8 +227,7 @@ bool SceneStream::enter(RequestAnswer& answer) {
   } else if (answer.is_empty) {
     allocator_.set_empty(node);
   } else {
-    const std::optional<std::uint32_t> slot =
-        allocator_.put_brick(node, std::uint32_t(answer.brick.parts.size()), *caster_);
+    const std::optional<std::uint32_t> slot = allocator_.put_brick(node, answer.brick.part_count, *caster_);
     if (!slot) return false;
     new_slots_.push_back(*slot);
     new_bricks_.push_back(std::move(answer.brick));
@@ -205,12 +235,12 @@ bool SceneStream::enter(RequestAnswer& answer) {
   return true;
 }
 
-/// Enters answers until one needs an eviction. Returns how many it took. Does not call the caster.
+/// Enters answers until one needs an eviction. Returns how many it took.
 std::size_t SceneStream::enter_without_evictions(std::span<RequestAnswer> answers) {
   std::size_t taken = 0;
   for (RequestAnswer& answer : answers) {
     if (!answer.is_missing && !answers_.is_fulfilled(answer.request)) {
-      if (!allocator_.has_room(std::uint32_t(answer.brick.parts.size()))) break;
+      if (!allocator_.has_room(answer.brick.part_count)) break;
       enter(answer);
       ++prepared_work_.uploads;
     }
@@ -240,19 +270,34 @@ std::size_t SceneStream::enter_some(std::span<RequestAnswer> answers, std::uint3
   return taken;
 }
 
-void SceneStream::put_new_bricks() {
-  std::vector<kernels::BrickPlace> places;
-  for (const std::uint32_t slot : new_slots_) places.push_back(allocator_.brick_place(slot));
-  for (const kernels::CastBrick& brick : new_bricks_)
-    uploaded_bytes_ += sizeof(brick.head) + sizeof(kernels::PackedVoxel) * brick.parts.size();
-  caster_->put_bricks(places, new_bricks_);
+/// Returns the pages and bricks that were added since the last call.
+SceneStream::NewData SceneStream::take_new_data() {
+  NewData data{pooled_pages_.take_new_pages(), {}, std::exchange(new_bricks_, {})};
+  for (const kernels::PageUpload& page : data.pages) put_bytes_ += page_pool_size_.bytes_per_voxel() * page.count;
+  for (const std::uint32_t slot : new_slots_) data.places.push_back(allocator_.brick_place(slot));
+  for (const kernels::CastBrick& brick : data.bricks)
+    put_bytes_ += sizeof(brick.head) + sizeof(kernels::PackedVoxel) * brick.parts.size() +
+                  sizeof(kernels::VoxelRun) * brick.runs.size();
   new_slots_.clear();
-  spent_bricks_ = std::exchange(new_bricks_, {});
+  return data;
+}
+
+/// Copies new data to the caster.
+void SceneStream::put(const NewData& data) {
+  caster_->put_pages(data.pages);
+  caster_->put_bricks(data.places, data.bricks);
+}
+
+void SceneStream::put_new_bricks() {
+  NewData data = take_new_data();
+  put(data);
+  answers_.reuse(std::move(data.bricks));
+  if (prepared_.empty()) pooled_pages_.release();
 }
 
 void SceneStream::put_changed_nodes() {
   const auto changes = allocator_.take_changes();
-  uploaded_bytes_ += sizeof(kernels::NodeChange) * changes.size();
+  put_bytes_ += sizeof(kernels::NodeChange) * changes.size();
   caster_->put_nodes(changes);
 }
 
@@ -280,11 +325,12 @@ SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& request
     }
   }
   put_changed_nodes();
-  pool_bytes_held_ = allocator_.in_use().bytes();
+  pool_bytes_held_ = allocator_.in_use().bytes() + pooled_pages_.bytes_used();
   served.misses_pages = request_missing_pages();
   remove_loaded_roots();
   served.evicted_used = allocator_.evicted_used();
   uploads_ += served.uploads;
+  uploaded_bytes_ += std::exchange(put_bytes_, 0);
   return served;
 }
 

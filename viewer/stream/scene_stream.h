@@ -21,6 +21,7 @@
 #include "viewer/stream/exchange/scene_exchange.h"
 #include "viewer/stream/pager.h"
 #include "viewer/stream/pool_allocator.h"
+#include "viewer/stream/requests/pooled_pages.h"
 #include "viewer/stream/requests/request_answers.h"
 #include "viewer/stream/shard_map.h"
 #include "viewer/stream/voxel_lookup.h"
@@ -35,8 +36,10 @@ class SceneStream {
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;  ///< pools and pages; at most half of the host's memory
     int page_threads = 2;
     std::optional<int> cuda_device;  ///< ordinal of cuda_devices() to cast on; memory_bytes then excludes the pools
-    std::uint64_t device_bytes = std::uint64_t(4) << 30;  ///< size of the device's pools
+    std::uint64_t device_bytes = std::uint64_t(4) << 30;  ///< size of the device's pools, including the page pool
     bool cells_alone = false;                             ///< ignores overviews, so that each cell has a tree
+    std::optional<std::uint64_t> page_pool_bytes;         ///< of the pools, at most half of them; null: a quarter of a
+                                                          ///< device's pools, none on the host (pooled_pages.h)
   };
 
   /// The eviction rule of the pools for entries that rays used in pass `used_since` or later. If `all`, these entries
@@ -72,8 +75,8 @@ class SceneStream {
                const Keep& keep);
 
   /// Begins to answer requests on other threads, at least one batch, unless answers still wait for their entry. Also
-  /// allocates their places in the pools, as long as nothing has to be evicted. The next serve() ends this and copies
-  /// the new bricks to the caster. Meant for the time in which a GPU casts.
+  /// allocates their places in the pools, as long as nothing has to be evicted, and copies the new bricks to the
+  /// caster. The next serve() ends this and copies the new nodes. Meant for the time in which a GPU casts.
   void prepare(const std::vector<std::uint32_t>& requested, const Vec3d& eye);
 
   /// Returns the number of bricks and node tiles that prepare() has put into the pools since the last serve().
@@ -134,6 +137,13 @@ class SceneStream {
   SceneStream(const PagedScene& scene, Opened opened, PageSource source, const Options& options,
               const ThreadPool& policy);
 
+  /// Pages and bricks for the caster.
+  struct NewData {
+    std::vector<kernels::PageUpload> pages;
+    std::vector<kernels::BrickPlace> places;
+    std::vector<kernels::CastBrick> bricks;
+  };
+
   void answer_ahead(const std::vector<std::uint32_t>& requested, const Vec3d& eye);
   void finish_preparing();
   bool request_missing_pages();
@@ -143,6 +153,8 @@ class SceneStream {
   void forget_prepared();
   std::size_t enter_some(std::span<RequestAnswer> answers, std::uint32_t round, const kernels::StopAsked& enough,
                          Served& served);
+  NewData take_new_data();
+  void put(const NewData& data);
   void put_new_bricks();
   void put_changed_nodes();
   void remove_loaded_roots();
@@ -157,15 +169,17 @@ class SceneStream {
   Shading shading_;
   Pager pager_;
   VoxelLookup lookup_;
+  kernels::PagePoolSize page_pool_size_;
   PoolAllocator allocator_;
+  PooledPages pooled_pages_;
   RequestAnswers answers_;
   std::unique_ptr<kernels::Caster> caster_;
   bool requests_roots_ = false;
   std::vector<std::uint32_t> pending_roots_;  ///< requests of root bricks
   std::vector<std::uint32_t> new_slots_;
   std::vector<kernels::CastBrick> new_bricks_;
-  std::vector<kernels::CastBrick> spent_bricks_;  ///< were copied to the caster; freed while the next answers are made
   std::uint64_t uploads_ = 0, uploaded_bytes_ = 0;
+  std::uint64_t put_bytes_ = 0;  ///< bytes put into the pools since the last serve()
   std::optional<SceneExchange> exchange_;
   std::vector<PageKey> exchange_missing_;  ///< pages for which the exchange waits
   Served prepared_work_;                   ///< of prepare() since the last serve()

@@ -41,8 +41,11 @@ bool overlap(const VoxelBox& a, const VoxelBox& b) {
 }
 
 const Page* find_page(const Pager& pager, const PageKey& key, MissingPages& missing_pages) {
+  if (missing_pages.found != nullptr)
+    if (const Page* page = missing_pages.found->find(key)) return page;
   const Page* page = pager.find(key);
   if (page == nullptr && !pager.is_damaged(key)) missing_pages.missing.push_back(key);
+  if (page != nullptr && missing_pages.found != nullptr) missing_pages.found->add(key, page);
   return page;
 }
 

@@ -13,6 +13,7 @@
 #include "format/scene/paged_scene.h"
 #include "kernels/marching/locate.h"
 #include "viewer/stream/exchange/shard_table.h"
+#include "viewer/stream/found_pages.h"
 #include "viewer/stream/overview_levels.h"
 #include "viewer/stream/pager.h"
 
@@ -24,6 +25,7 @@ struct MissingPages {
   std::vector<PageKey> missing;      ///< not resident yet; may contain duplicates
   bool damaged = false;              ///< a page of a shard that stores `own` cannot be read
   bool is_overview_damaged = false;  ///< an overview's page cannot be read; its children may have more data
+  FoundPages* found = nullptr;       ///< set by the caller: pages that the thread found before in this pass, or null
 };
 
 struct ShardExtent {

@@ -12,6 +12,12 @@ VoxelBox node_box(const Vec3i64& corner, int level) {
   return {corner, corner + Vec3i64::all(std::int64_t(brick_edge) << level)};
 }
 
+bool contains(const VoxelBox& box, const Vec3i64& v) {
+  for (int a = 0; a < 3; ++a)
+    if (v[a] < box.min[a] || v[a] >= box.max[a]) return false;
+  return true;
+}
+
 VoxelBox common_box(const VoxelBox& a, const VoxelBox& b) {
   return {max_by_axis(a.min, b.min), min_by_axis(a.max, b.max)};
 }
@@ -161,21 +167,26 @@ void VoxelLookup::set_content(const ShardExtent& shard, const NodeRow& found, in
       find_page(pager_, {shard.number, lod - shard.first_lod, found.value / bricks_per_block}, missing_pages);
   if (page == nullptr || found.value % bricks_per_block >= page->bricks.mask.size() / brick_edge) return;
   place.kind = VoxelPlace::Kind::brick;
-  place.block = &page->bricks;
+  place.page = page;
   place.brick = found.value % bricks_per_block;
 }
 
 VoxelPlace VoxelLookup::place(int lod, const Vec3i64& v, MissingPages& missing_pages, NodePath& path) const {
   for (int provider = 0;; ++provider) {
     VoxelPlace place;
-    const std::optional<ShardExtent> shard = map_.find(lod, provider, v, pager_, missing_pages, place.box);
-    if (!shard) return place;
+    if (provider > 0 || path.extent_lod != lod || !contains(path.extent.window, v)) {
+      const std::optional<ShardExtent> found = map_.find(lod, provider, v, pager_, missing_pages, place.box);
+      if (!found) return place;
+      path.extent = *found;
+      path.extent_lod = provider == 0 ? lod : -1;
+    }
+    const ShardExtent shard = path.extent;
     const std::size_t missing = missing_pages.missing.size();
-    place = place_in(*shard, lod, v, missing_pages, path);
+    place = place_in(shard, lod, v, missing_pages, path);
     if (place.kind != VoxelPlace::Kind::unreadable || missing_pages.missing.size() != missing) return place;
     if (provider < map_.last_provider(lod)) continue;  // a further provider may be readable
-    missing_pages.damaged |= overlap(shard->window, missing_pages.own);
-    missing_pages.is_overview_damaged |= shard->is_overview();
+    missing_pages.damaged |= overlap(shard.window, missing_pages.own);
+    missing_pages.is_overview_damaged |= shard.is_overview();
     return place;
   }
 }

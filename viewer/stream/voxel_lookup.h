@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "kernels/marching/locate.h"
+#include "viewer/stream/lookup_cache.h"
 #include "viewer/stream/pager.h"
 #include "viewer/stream/shard_map.h"
 
@@ -16,24 +17,13 @@ struct VoxelPlace {
   Kind kind = Kind::nothing;
   int leaf_lod = 0;  ///< of `Kind::leaf`: the coarser level whose voxels describe the requested one
   kernels::VoxelBox box;
-  const BrickBlock* block = nullptr;  ///< block of the brick, valid until the pager's next pass
-  std::size_t brick = 0;              ///< index in the block
+  const Page* page = nullptr;  ///< page of the brick, valid until the pager's next pass
+  std::size_t brick = 0;       ///< index in the page
   std::array<std::uint8_t, 4> rgba{};
   std::array<std::int8_t, 2> normal{};
   DirectionalCoverage directional_coverage{};  ///< rgba, normal and directional_coverage are set for `Kind::constant`
   bool has_directional_coverage = false;
   VoxelClass voxel_class = no_class;  ///< for `Kind::constant`
-};
-
-inline constexpr std::uint32_t no_shard = 0xffffffffu;
-
-/// The latest path down the nodes of a shard. The next lookup starts where its path diverges from this path. Each
-/// thread uses a separate NodePath, for one pass of the pager.
-struct NodePath {
-  std::uint32_t shard = no_shard;
-  std::int32_t lowest = 0;                           ///< level at which the path ended
-  Vec3i64 v{};                                       ///< target of the path: lod-0 voxels from the shard's corner
-  const NodeRow* node[kernels::max_cast_lods] = {};  ///< by level, from `lowest` up
 };
 
 /// A lookup of voxels. Several threads may use it concurrently between two passes of the pager.

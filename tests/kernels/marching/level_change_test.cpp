@@ -32,7 +32,7 @@ struct FloorOfLod1 : OneCell {
 TEST(LevelChange, ComesBeforeTheEndOfTheSceneWhereEmptySpaceWasSteppedOver) {
   const ThreadPool threads(1);
   const FloorOfLod1 floor;
-  const auto caster = make_cpu_caster(floor.scene, {2, 1, max_parts}, threads);
+  const auto caster = make_cpu_caster(floor.scene, {2, 1, max_parts}, {}, threads);
   floor.put_in(*caster);
   CastCamera camera;
   camera.width = camera.height = 1;

@@ -12,7 +12,7 @@ constexpr ChildMasks eight_children{255, 0};
 TEST(PoolAllocator, KeepsTheNodesOfBricksThatItAllocatedInTheSameRound) {
   const kernels::PoolSizes sizes{2, 16, 16 * kernels::max_parts};
   const ThreadPool pool(1);
-  const auto caster = kernels::make_cpu_caster({}, sizes, pool);
+  const auto caster = kernels::make_cpu_caster({}, sizes, {}, pool);
   PoolAllocator allocator(2, 4, sizes);
   allocator.begin_round(caster->pass(), all_evictable, false);
   ASSERT_TRUE(allocator.put_children(0, eight_children, *caster));
@@ -33,7 +33,7 @@ TEST(PoolAllocator, KeepsTheNodesOfBricksThatItAllocatedInTheSameRound) {
 TEST(PoolAllocator, TellsNodesThatHaveGotAnotherPlaceSinceARound) {
   const kernels::PoolSizes sizes{2, 16, 16 * kernels::max_parts};
   const ThreadPool pool(1);
-  const auto caster = kernels::make_cpu_caster({}, sizes, pool);
+  const auto caster = kernels::make_cpu_caster({}, sizes, {}, pool);
   PoolAllocator allocator(2, 4, sizes);
   constexpr std::uint32_t child = 8;
   EXPECT_TRUE(allocator.is_settled(1, 0)) << "a root";

@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "tests/viewer/ground_scene.h"
+#include "viewer/light/sky.h"
 #include "viewer/pictures/render.h"
 
 namespace gigabake {
@@ -159,6 +160,37 @@ TEST(SceneStream, EntersPreparedAnswersInLaterFramesIfTimeRunsOut) {
   for (const PictureOptions& options : views)
     EXPECT_EQ(render(stream, make_camera(options.camera, scene.paged()), options.background).rgba,
               take(scene, options).rgba);
+}
+
+/// A caster with a page pool copies voxels from pages. Its images have the same bits, also if the pool is a ring of few
+/// pages. The host's caster has a page pool only in this test.
+TEST(SceneStream, ShowsTheSameImagesWithPagePoolsOfAnySize) {
+  const VoxelScene scene = wide_ground(128);  // its pages of lod 0 have 50,000 voxels
+  const ThreadPool pool(2);
+  const PictureOptions near = view({-20, -20, 80}, {256, 256, 0}, 300),
+                       over = view({256, 256, 500}, {256, 256, 0}, 300);
+  const auto stream_with = [&](std::uint64_t page_pool_bytes) {
+    SceneStream::Options options;
+    options.light = afternoon_light();
+    options.memory_bytes = std::uint64_t(256) << 20;
+    options.page_pool_bytes = page_pool_bytes;
+    return std::make_unique<SceneStream>(scene.paged(), scene.pages(), options, pool);
+  };
+  const auto pictures_of = [&](SceneStream& stream) {
+    std::vector<std::vector<std::uint8_t>> images;
+    for (const PictureOptions* options : {&near, &over, &near})
+      images.push_back(render(stream, make_camera(options->camera, scene.paged()), options->background).rgba);
+    return images;
+  };
+  const auto without = stream_with(0);
+  const auto expected = pictures_of(*without);
+  for (const std::uint64_t bytes : {std::uint64_t(5) << 20, std::uint64_t(64) << 20}) {
+    SCOPED_TRACE(bytes);
+    const auto with = stream_with(bytes);
+    EXPECT_EQ(pictures_of(*with), expected);
+    EXPECT_GT(with->bytes_held(), without->bytes_held()) << "the page pool was used";
+    EXPECT_EQ(with->uploads(), without->uploads());
+  }
 }
 
 TEST(SceneStream, RefusesLessMemoryThanTheRootsTake) {

@@ -71,7 +71,7 @@ struct OpenGround {
 };
 
 auto parts_of(const VoxelPlace& place) {
-  return std::tuple(place.kind, place.block, place.brick, place.rgba, place.box.min, place.box.max);
+  return std::tuple(place.kind, place.page, place.brick, place.rgba, place.box.min, place.box.max);
 }
 
 TEST(VoxelLookup, AnswersAlikeWhateverWayItWentBefore) {

@@ -73,7 +73,12 @@ void SceneExchange::prepare(Prepared& item, const VoxelLookup& lookup, const Sha
   MissingPages of_brick, of_children;
   of_brick.own = of_children.own = box_of(item.place, layout_);
   if (item.has_children) item.children = children_of(item.place, layout_, lookup, of_children);
-  if (item.has_brick) item.is_empty = !fill_brick(item.place, layout_, lookup, shading, of_brick, item.brick);
+  if (item.has_brick) {
+    NodePath path;
+    BrickPages pages{};
+    item.is_empty = !fill_brick(item.place, layout_, lookup, shading, path, of_brick, item.brick, pages);
+    copy_runs(shading, pages, item.brick);
+  }
   missing.insert(missing.end(), of_children.missing.begin(), of_children.missing.end());
   missing.insert(missing.end(), of_brick.missing.begin(), of_brick.missing.end());
   item.is_ready = of_children.missing.empty() && of_brick.missing.empty();
@@ -115,7 +120,7 @@ void SceneExchange::enter_brick(Prepared& item, kernels::Caster& caster) {
   allocator_.forget_brick(item.node);
   if (item.is_brick_lost) return allocator_.set_lost(item.node, kernels::RequestKind::brick);
   if (item.is_empty) return allocator_.set_empty(item.node);
-  const auto slot = allocator_.put_brick(item.node, std::uint32_t(item.brick.parts.size()), caster);
+  const auto slot = allocator_.put_brick(item.node, item.brick.part_count, caster);
   if (!slot) return;  // the pool is full; the brick will be requested
   new_slots_.push_back(*slot);
   new_bricks_.push_back(std::move(item.brick));

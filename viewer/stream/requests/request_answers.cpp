@@ -1,7 +1,9 @@
 #include "viewer/stream/requests/request_answers.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -12,7 +14,7 @@ using kernels::RequestKind;
 
 /// The number of requests that are answered in parallel before the clock is checked and the pools are filled. It is
 /// large enough to outweigh the start of the threads, and small enough to take less than 2 ms.
-constexpr std::size_t requests_per_thread = 128, min_requests_per_batch = 256;
+constexpr std::size_t requests_per_thread = 256, min_requests_per_batch = 256;
 /// The maximum number of requests answered per pass, the most urgent first.
 constexpr std::size_t max_requests = 32768;
 /// The number of waiting requests that are answered again in each pass if pages may be evicted. Otherwise the pages
@@ -20,6 +22,20 @@ constexpr std::size_t max_requests = 32768;
 constexpr std::size_t repeated_requests = 1024;
 /// The factor on the urgency of a root whose cell no ray has hit yet.
 constexpr double unseen_root = 1.0 / 64;
+
+/// Removes the contents of a previous answer, except for its request. Keeps the memory: threads that free the memory of
+/// other threads wait for each other.
+void reset(RequestAnswer& answer, MissingPages& missing_pages) {
+  answer.is_missing = answer.is_damaged = answer.is_empty = false;
+  answer.children = {};
+  answer.pages = {};
+  answer.brick.head = {};
+  answer.brick.part_count = 0;
+  answer.brick.parts.clear();
+  answer.brick.runs.clear();
+  missing_pages.missing.clear();
+  missing_pages.damaged = missing_pages.is_overview_damaged = false;
+}
 
 /// The rank of a request that needs no answer.
 constexpr std::uint64_t no_rank = ~std::uint64_t(0);
@@ -30,10 +46,11 @@ std::uint64_t ranked_request(double urgency, std::uint32_t request) {
   return std::uint64_t(~std::bit_cast<std::uint32_t>(float(urgency))) << 32 | request;
 }
 
-/// Sorts the first `max_count` of many ranks by their urgency to 1/128 of its value. Removes no_rank and the other
-/// ranks. A counting sort: rays can miss some hundred thousand nodes per pass.
-void sort_first_of_many(std::vector<std::uint64_t>& ranks, std::size_t max_count) {
-  constexpr unsigned ignored_bits = 48;
+/// Sorts the ranks by their urgency to 1/8 of its value. Removes no_rank and all but the first `max_count` ranks.
+/// Requests of about equal urgency keep their order. Siblings follow each other in it, and their answers read the same
+/// memory. A counting sort: rays can miss some hundred thousand nodes per pass.
+void keep_first(std::vector<std::uint64_t>& ranks, std::size_t max_count) {
+  constexpr unsigned ignored_bits = 52;  // all but the sign, the exponent and 3 bits of the urgency
   std::vector<std::uint32_t> place((std::size_t(1) << (64 - ignored_bits)) + 1);
   for (const std::uint64_t rank : ranks)
     if (rank != no_rank) ++place[(rank >> ignored_bits) + 1];
@@ -42,26 +59,22 @@ void sort_first_of_many(std::vector<std::uint64_t>& ranks, std::size_t max_count
   std::vector<std::uint64_t> sorted(place[std::min(end, place.size() - 1)]);
   for (const std::uint64_t rank : ranks)
     if (rank >> ignored_bits < end && rank != no_rank) sorted[place[rank >> ignored_bits]++] = rank;
+  sorted.resize(std::min(sorted.size(), max_count));
   ranks = std::move(sorted);
-}
-
-/// Sorts the ranks, and removes no_rank and all but the first `max_count` ranks.
-void keep_first(std::vector<std::uint64_t>& ranks, std::size_t max_count) {
-  constexpr std::size_t few = 16384;  // std::sort() is faster
-  if (ranks.size() > few) {
-    sort_first_of_many(ranks, max_count);
-  } else {
-    std::erase(ranks, no_rank);
-    std::sort(ranks.begin(), ranks.end());
-  }
-  ranks.resize(std::min(ranks.size(), max_count));
 }
 
 }  // namespace
 
 RequestAnswers::RequestAnswers(const CellLayout& layout, const Shading& shading, const PoolAllocator& allocator,
-                               const Pager& pager, const VoxelLookup& lookup, const ThreadPool& policy)
-    : layout_(layout), shading_(shading), allocator_(allocator), pager_(pager), lookup_(lookup), policy_(policy) {}
+                               const Pager& pager, const VoxelLookup& lookup, PooledPages& pooled_pages,
+                               const ThreadPool& policy)
+    : layout_(layout),
+      shading_(shading),
+      allocator_(allocator),
+      pager_(pager),
+      lookup_(lookup),
+      pooled_pages_(pooled_pages),
+      policy_(policy) {}
 
 bool RequestAnswers::is_fulfilled(std::uint32_t request) const {
   const NodeRequest wanted(request);
@@ -88,6 +101,7 @@ double RequestAnswers::urgency(std::uint32_t request, const Vec3d& eye) const {
 void RequestAnswers::begin_pass(std::span<const std::uint32_t> requested, std::span<const std::uint32_t> roots,
                                 const Vec3d& eye) {
   waiting_.begin_pass(pager_);
+  caches_.assign(std::size_t(policy_.threads()), {});
   const std::size_t count = requested.size() + roots.size();
   const bool repeats = pager_.may_evict();
   std::vector<std::uint64_t> waiting(repeats ? count : 0, no_rank);
@@ -111,35 +125,67 @@ void RequestAnswers::begin_pass(std::span<const std::uint32_t> requested, std::s
 }
 
 /// Sets the answer, or the pages that it lacks. The request may have become obsolete since it was ranked.
-void RequestAnswers::answer(RequestAnswer& answer, MissingPages& missing_pages) const {
+void RequestAnswers::answer(RequestAnswer& answer, LookupCache& cache, MissingPages& missing_pages) const {
+  reset(answer, missing_pages);
   answer.is_missing = !is_open(answer.request);
   if (answer.is_missing) return;
   const NodeRequest wanted(answer.request);
   const FieldNode node = allocator_.place_of(wanted.node);
   missing_pages.own = box_of(node, layout_);
+  missing_pages.found = &cache.pages;
   if (wanted.kind == RequestKind::children)
     answer.children = children_of(node, layout_, lookup_, missing_pages);
   else
-    answer.is_empty = !fill_brick(node, layout_, lookup_, shading_, missing_pages, answer.brick);
+    answer.is_empty =
+        !fill_brick(node, layout_, lookup_, shading_, cache.path, missing_pages, answer.brick, answer.pages);
   // If an overview is unreadable, an empty brick does not prove that finer levels are empty.
   answer.is_damaged = missing_pages.damaged || (answer.is_empty && missing_pages.is_overview_damaged);
   answer.is_missing = !missing_pages.missing.empty();
+  sort_unique(missing_pages.missing);
+  if (answer.is_missing)
+    answer.brick.runs.clear();
+  else if (!pooled_pages_.has_pool())
+    copy_runs(shading_, answer.pages, answer.brick);
+}
+
+/// Puts the pages of runs into the page pool. Copies the voxels of bricks whose pages are not put.
+void RequestAnswers::place_runs() {
+  for (const RequestAnswer& answer : batch_)
+    if (!answer.brick.runs.empty()) pooled_pages_.count_use(answer.pages);
+  std::vector<RequestAnswer*> rest;
+  for (RequestAnswer& answer : batch_)
+    if (!answer.brick.runs.empty() && !pooled_pages_.place(answer.pages, answer.brick)) rest.push_back(&answer);
+  policy_.parallel_for(rest.size(), 8, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) copy_runs(shading_, rest[i]->pages, rest[i]->brick);
+  });
+}
+
+void RequestAnswers::reuse(std::vector<kernels::CastBrick> bricks) {
+  if (bricks.size() > spare_.size()) std::swap(bricks, spare_);
+  const std::size_t count = std::min(bricks.size(), max_requests - std::min(max_requests, spare_.size()));
+  std::move(bricks.begin(), bricks.begin() + std::ptrdiff_t(count), std::back_inserter(spare_));
 }
 
 std::span<RequestAnswer> RequestAnswers::next_batch() {
   const std::size_t per_batch = std::max(min_requests_per_batch, requests_per_thread * std::size_t(policy_.threads()));
   const std::size_t count = std::min(ranks_.size() - next_, per_batch);
-  batch_.assign(count, {});
-  missing_pages_.assign(count, {});
-  policy_.parallel_for(count, 8, [&](std::size_t begin, std::size_t end, int) {
+  batch_.resize(count);
+  missing_pages_.resize(count);
+  std::atomic<std::size_t> taken{0};  // of spare_, from its end
+  policy_.parallel_for(count, 8, [&](std::size_t begin, std::size_t end, int thread) {
     for (std::size_t i = begin; i < end; ++i) {
+      if (batch_[i].brick.parts.capacity() == 0)
+        if (const std::size_t spare = ++taken; spare <= spare_.size())
+          batch_[i].brick = std::move(spare_[spare_.size() - spare]);
       batch_[i].request = std::uint32_t(ranks_[next_ + i]);
-      answer(batch_[i], missing_pages_[i]);
+      answer(batch_[i], caches_[std::size_t(thread)], missing_pages_[i]);
     }
   });
+  spare_.resize(spare_.size() - std::min(taken.load(), spare_.size()));
+  if (pooled_pages_.has_pool()) place_runs();
   for (std::size_t i = 0; i < count; ++i)
     if (!missing_pages_[i].missing.empty())
-      waiting_.add(batch_[i].request, ranks_[next_ + i], std::move(missing_pages_[i].missing));
+      waiting_.add(batch_[i].request, ranks_[next_ + i], missing_pages_[i].missing);
   next_ += count;
   return batch_;
 }

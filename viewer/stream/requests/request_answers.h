@@ -9,6 +9,7 @@
 #include "viewer/light/shading.h"
 #include "viewer/stream/brick_fill.h"
 #include "viewer/stream/pool_allocator.h"
+#include "viewer/stream/requests/pooled_pages.h"
 #include "viewer/stream/requests/waiting_requests.h"
 #include "viewer/stream/voxel_lookup.h"
 
@@ -22,7 +23,7 @@ struct NodeRequest {
   explicit NodeRequest(std::uint32_t request) : node(request / 2), kind(kernels::RequestKind(request % 2)) {}
 };
 
-/// The answer to one request. It is independent of pages, which may be evicted afterwards.
+/// The answer to one request. Except for `pages`, it is independent of pages, which may be evicted afterwards.
 struct RequestAnswer {
   std::uint32_t request = 0;
   bool is_missing = false;   ///< the request waits for pages or is obsolete; the other members are not set
@@ -30,6 +31,7 @@ struct RequestAnswer {
   ChildMasks children;       ///< of a request of children
   bool is_empty = false;     ///< of a request of a brick: there are no voxels
   kernels::CastBrick brick;  ///< of a request of a brick that is not empty
+  BrickPages pages = {};     ///< of the brick's runs, valid until the pager's next pass
 };
 
 /// Requests in the order of their urgency, answered in batches on all threads. Requests whose pages are not resident
@@ -38,7 +40,7 @@ class RequestAnswers {
  public:
   /// Borrows all arguments.
   RequestAnswers(const CellLayout& layout, const Shading& shading, const PoolAllocator& allocator, const Pager& pager,
-                 const VoxelLookup& lookup, const ThreadPool& policy);
+                 const VoxelLookup& lookup, PooledPages& pooled_pages, const ThreadPool& policy);
 
   /// Returns whether the request was answered before.
   bool is_fulfilled(std::uint32_t request) const;
@@ -51,8 +53,11 @@ class RequestAnswers {
   void begin_pass(std::span<const std::uint32_t> requested, std::span<const std::uint32_t> roots, const Vec3d& eye);
   /// Returns whether next_batch() has requests to answer. A pass answers at most some thousand requests.
   bool has_next() const { return next_ < ranks_.size(); }
-  /// Answers the next requests. The result is valid until the next call, and the caller may move from it.
+  /// Answers the next requests. The result is valid until the next call, and the caller may move from it. Bricks have
+  /// runs only if the caster has a page pool, and their pages have places in the pool (pooled_pages.h).
   std::span<RequestAnswer> next_batch();
+  /// Takes bricks that are not needed any more. Answers use their memory again.
+  void reuse(std::vector<kernels::CastBrick> bricks);
 
   /// Returns the pages that requests of this pass lack, most urgent first. A page may occur several times.
   std::vector<PageKey> missing_pages() const { return waiting_.pages_by_urgency(); }
@@ -61,19 +66,23 @@ class RequestAnswers {
 
  private:
   double urgency(std::uint32_t request, const Vec3d& eye) const;
-  void answer(RequestAnswer& answer, MissingPages& missing_pages) const;
+  void answer(RequestAnswer& answer, LookupCache& cache, MissingPages& missing_pages) const;
+  void place_runs();
 
   const CellLayout& layout_;
   const Shading& shading_;
   const PoolAllocator& allocator_;
   const Pager& pager_;
   const VoxelLookup& lookup_;
+  PooledPages& pooled_pages_;
   const ThreadPool& policy_;
   WaitingRequests waiting_;
   std::vector<std::uint64_t> ranks_;  ///< most urgent first
   std::size_t next_ = 0;              ///< of ranks_
   std::vector<RequestAnswer> batch_;
   std::vector<MissingPages> missing_pages_;  ///< of batch_
+  std::vector<LookupCache> caches_;          ///< by thread
+  std::vector<kernels::CastBrick> spare_;    ///< bricks whose memory new answers use
 };
 
 }  // namespace gigabake

@@ -7,15 +7,26 @@
 namespace gigabake {
 namespace {
 
-/// The maximum number of entries before all requests are released, because obsolete requests keep their entries.
-constexpr std::size_t max_groups = std::size_t(1) << 16, max_waiting = std::size_t(1) << 20;
+/// The maximum number of groups before all requests are released, because obsolete requests keep their groups.
+constexpr std::size_t max_groups = std::size_t(1) << 16;
 
 bool is_loaded(const Pager& pager, const std::vector<PageKey>& pages) {
   return std::ranges::all_of(pages,
                              [&](const PageKey& page) { return pager.is_resident(page) || pager.is_damaged(page); });
 }
 
+bool is_sorted_unique(const std::vector<PageKey>& pages) {
+  return std::ranges::adjacent_find(pages, [](const PageKey& a, const PageKey& b) { return !(a < b); }) == pages.end();
+}
+
 }  // namespace
+
+void sort_unique(std::vector<PageKey>& pages) {
+  if (is_sorted_unique(pages)) return;
+  std::ranges::sort(pages);
+  const auto duplicates = std::ranges::unique(pages);
+  pages.erase(duplicates.begin(), duplicates.end());
+}
 
 void WaitingRequests::clear() {
   groups_.clear();
@@ -27,15 +38,14 @@ void WaitingRequests::clear() {
 /// Forgets the group's requests. If all of them were forgotten together later, one pass would take much longer.
 void WaitingRequests::release(std::uint32_t number) {
   for (const std::uint32_t request : groups_[number].requests) {
-    const auto found = group_of_request_.find(request);
-    if (found != group_of_request_.end() && found->second == number) group_of_request_.erase(found);
+    if (group_of_request_[request] == number + 1) group_of_request_[request] = 0;
   }
   groups_[number] = {};
   released_.push_back(number);
 }
 
 void WaitingRequests::begin_pass(const Pager& pager) {
-  if (groups_.size() > max_groups || group_of_request_.size() > max_waiting) clear();
+  if (groups_.size() > max_groups) clear();
   for (auto at = group_of_pages_.begin(); at != group_of_pages_.end();) {
     Group& group = groups_[at->second];
     group.rank = no_rank;
@@ -49,34 +59,40 @@ void WaitingRequests::begin_pass(const Pager& pager) {
 }
 
 bool WaitingRequests::waits(std::uint32_t request, std::uint64_t rank) {
-  const auto found = group_of_request_.find(request);
-  if (found == group_of_request_.end()) return false;
-  Group& group = groups_[found->second];
+  const std::uint32_t number = group_of_request_.at(request);
+  if (number == 0) return false;
+  Group& group = groups_[number - 1];
   const std::atomic_ref<std::uint64_t> min_rank(group.rank);
   for (std::uint64_t before = min_rank.load(std::memory_order_relaxed); rank < before;)
     if (min_rank.compare_exchange_weak(before, rank, std::memory_order_relaxed)) break;
   return true;
 }
 
-void WaitingRequests::add(std::uint32_t request, std::uint64_t rank, std::vector<PageKey> missing) {
-  std::ranges::sort(missing);
-  const auto duplicates = std::ranges::unique(missing);
-  missing.erase(duplicates.begin(), duplicates.end());
+/// Returns the group of requests that lack these pages. Adds one if there is none.
+std::uint32_t WaitingRequests::group_for(const std::vector<PageKey>& pages) {
+  if (latest_ < groups_.size() && groups_[latest_].pages == pages) return latest_;
   const std::uint32_t next = released_.empty() ? std::uint32_t(groups_.size()) : released_.back();
-  const auto [at, is_new] = group_of_pages_.try_emplace(std::move(missing), next);
-  if (is_new) {
-    if (released_.empty())
-      groups_.emplace_back();
-    else
-      released_.pop_back();
-    groups_[next].pages = at->first;
+  const auto [at, is_new] = group_of_pages_.try_emplace(pages, next);
+  latest_ = at->second;
+  if (!is_new) return latest_;
+  if (released_.empty())
+    groups_.emplace_back();
+  else
+    released_.pop_back();
+  groups_[next].pages = pages;
+  return latest_;
+}
+
+void WaitingRequests::add(std::uint32_t request, std::uint64_t rank, const std::vector<PageKey>& missing) {
+  if (!is_sorted_unique(missing)) {
+    std::vector<PageKey> sorted = missing;
+    sort_unique(sorted);
+    return add(request, rank, sorted);
   }
-  Group& group = groups_[at->second];
+  const std::uint32_t number = group_for(missing);
+  Group& group = groups_[number];
   group.rank = std::min(group.rank, rank);
-  const auto [entry, is_added] = group_of_request_.try_emplace(request, at->second);
-  if (!is_added && entry->second == at->second) return;
-  entry->second = at->second;
-  group.requests.push_back(request);
+  if (std::exchange(group_of_request_[request], number + 1) != number + 1) group.requests.push_back(request);
 }
 
 std::vector<PageKey> WaitingRequests::pages_by_urgency() const {

@@ -5,12 +5,36 @@
 #include <cstdint>
 #include <limits>
 #include <map>
-#include <unordered_map>
 #include <vector>
 
 #include "viewer/stream/pager.h"
 
 namespace gigabake {
+
+/// Sorts the pages and removes duplicates. Threads prepare the argument of WaitingRequests::add() with it, because only
+/// one thread may call add().
+void sort_unique(std::vector<PageKey>& pages);
+
+/// A number per request, at first 0. Requests are small numbers: twice the place of a node in the pool. Memory is
+/// allocated in blocks, so that no call takes much longer than others.
+class NumberByRequest {
+ public:
+  std::uint32_t at(std::uint32_t request) const {
+    const std::size_t block = request / block_size;
+    return block < blocks_.size() && !blocks_[block].empty() ? blocks_[block][request % block_size] : 0;
+  }
+  std::uint32_t& operator[](std::uint32_t request) {
+    const std::size_t block = request / block_size;
+    if (block >= blocks_.size()) blocks_.resize(block + 1);
+    if (blocks_[block].empty()) blocks_[block].resize(block_size);
+    return blocks_[block][request % block_size];
+  }
+  void clear() { blocks_.clear(); }
+
+ private:
+  static constexpr std::uint32_t block_size = 1 << 14;
+  std::vector<std::vector<std::uint32_t>> blocks_;
+};
 
 /// All members but waits() must be called from one thread.
 class WaitingRequests {
@@ -26,7 +50,8 @@ class WaitingRequests {
 
   /// Lets the request wait until all pages of `missing` are resident or damaged.
   /// Range   `missing` is not empty; it may contain duplicates.
-  void add(std::uint32_t request, std::uint64_t rank, std::vector<PageKey> missing);
+  /// Cost    Less after sort_unique().
+  void add(std::uint32_t request, std::uint64_t rank, const std::vector<PageKey>& missing);
 
   /// Returns the pages of requests that waits() or add() named in this pass, the most urgent first. A page may occur
   /// several times.
@@ -45,11 +70,13 @@ class WaitingRequests {
   };
 
   void release(std::uint32_t number);
+  std::uint32_t group_for(const std::vector<PageKey>& pages);
 
   std::vector<Group> groups_;
-  std::vector<std::uint32_t> released_;                           ///< numbers of groups_ for new groups
+  std::uint32_t latest_ = 0;             ///< the group of the latest request; siblings often lack the same pages
+  std::vector<std::uint32_t> released_;  ///< numbers of groups_ for new groups
   std::map<std::vector<PageKey>, std::uint32_t> group_of_pages_;  ///< of groups that are not released
-  std::unordered_map<std::uint32_t, std::uint32_t> group_of_request_;
+  NumberByRequest group_of_request_;                              ///< 1 + the number of the group, or 0
 };
 
 }  // namespace gigabake
