@@ -182,7 +182,8 @@ void SceneStream::answer_ahead(const std::vector<std::uint32_t>& requested, cons
     answers_.reuse(std::move(data.bricks));
   };
   while (answers_.has_next() && prepared_.empty() && prepared_work_.answers < max_prepared) {
-    const std::span<RequestAnswer> batch = answers_.next_batch();
+    const std::span<RequestAnswer> batch =
+        answers_.next_batch(prepared_work_.answers > 0 ? &stops_preparing_ : nullptr);
     std::ranges::move(batch.subspan(enter_without_evictions(batch)), std::back_inserter(prepared_));
     end_copy();
     data = take_new_data();

@@ -102,7 +102,7 @@ TEST(StoredVoxels, CopiesOfRunsEqualPackedVoxels) {
   }
 }
 
-/// Colours of classes are those of the table: one for content without a class, and twelve in turn.
+/// The table of colours of classes has an entry for content without a class, and twelve in turn.
 TEST(StoredVoxels, ClassesUseTheColoursInTurn) {
   std::vector<std::uint8_t> table;
   for (int i = 0; i < 3 * (1 + class_colour_count); ++i) table.push_back(std::uint8_t(i));

@@ -124,9 +124,8 @@ void RequestAnswers::begin_pass(std::span<const std::uint32_t> requested, std::s
   keep_first(ranks_, max_requests);
 }
 
-/// Sets the answer, or the pages that it lacks. The request may have become obsolete since it was ranked.
+/// Sets the answer, which was reset, or the pages that it lacks. The request may have become obsolete since then.
 void RequestAnswers::answer(RequestAnswer& answer, LookupCache& cache, MissingPages& missing_pages) const {
-  reset(answer, missing_pages);
   answer.is_missing = !is_open(answer.request);
   if (answer.is_missing) return;
   const NodeRequest wanted(answer.request);
@@ -166,7 +165,7 @@ void RequestAnswers::reuse(std::vector<kernels::CastBrick> bricks) {
   std::move(bricks.begin(), bricks.begin() + std::ptrdiff_t(count), std::back_inserter(spare_));
 }
 
-std::span<RequestAnswer> RequestAnswers::next_batch() {
+std::span<RequestAnswer> RequestAnswers::next_batch(const std::atomic<bool>* stop) {
   const std::size_t per_batch = std::max(min_requests_per_batch, requests_per_thread * std::size_t(policy_.threads()));
   const std::size_t count = std::min(ranks_.size() - next_, per_batch);
   batch_.resize(count);
@@ -178,7 +177,9 @@ std::span<RequestAnswer> RequestAnswers::next_batch() {
         if (const std::size_t spare = ++taken; spare <= spare_.size())
           batch_[i].brick = std::move(spare_[spare_.size() - spare]);
       batch_[i].request = std::uint32_t(ranks_[next_ + i]);
-      answer(batch_[i], caches_[std::size_t(thread)], missing_pages_[i]);
+      reset(batch_[i], missing_pages_[i]);
+      batch_[i].is_missing = stop != nullptr && *stop;
+      if (!batch_[i].is_missing) answer(batch_[i], caches_[std::size_t(thread)], missing_pages_[i]);
     }
   });
   spare_.resize(spare_.size() - std::min(taken.load(), spare_.size()));

@@ -1,6 +1,7 @@
 /// Answers to the requests of rays: the children or the brick of a node, built from resident pages.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -54,8 +55,9 @@ class RequestAnswers {
   /// Returns whether next_batch() has requests to answer. A pass answers at most some thousand requests.
   bool has_next() const { return next_ < ranks_.size(); }
   /// Answers the next requests. The result is valid until the next call, and the caller may move from it. Bricks have
-  /// runs only if the caster has a page pool, and their pages have places in the pool (pooled_pages.h).
-  std::span<RequestAnswer> next_batch();
+  /// runs only if the caster has a page pool, and their pages have places in the pool (pooled_pages.h). Once `stop`
+  /// becomes true, the other answers of the batch are missing, and their requests are not answered in this pass.
+  std::span<RequestAnswer> next_batch(const std::atomic<bool>* stop = nullptr);
   /// Takes bricks that are not needed any more. Answers use their memory again.
   void reuse(std::vector<kernels::CastBrick> bricks);
 
