@@ -57,7 +57,10 @@ std::vector<DirectionalCoverage> directional_coverage_of_rows(const std::vector<
   return out;
 }
 
-ShardReader::ShardReader(const std::filesystem::path& path)
+ShardReader::ShardReader(const std::filesystem::path& path) : ShardReader(path, Hdf5Turn()) {}
+
+/// Opens the shard during one turn at HDF5.
+ShardReader::ShardReader(const std::filesystem::path& path, const Hdf5Turn&)
     : path_(path),
       file_(std::make_unique<const Hdf5File>(Hdf5File::open(path, ChunkPlaces::by_index))),
       header_(read_header(*file_)),
@@ -67,23 +70,26 @@ ShardReader::ShardReader(ShardReader&&) noexcept = default;
 ShardReader& ShardReader::operator=(ShardReader&&) noexcept = default;
 ShardReader::~ShardReader() = default;
 
-ColumnReads ShardReader::reads() const { return file_->reads(); }
+ColumnReads ShardReader::reads() const {
+  const ColumnReads by_index = file_->reads(), by_table = with_table_ ? with_table_->reads() : ColumnReads();
+  return {by_index.rows + by_table.rows, by_index.bytes + by_table.bytes};
+}
 
 NodeTable ShardReader::nodes() const {
   const NodeColumns columns(version_);
   NodeTable n;
-  read_rows(*file_, columns.key, n.key);
-  read_rows(*file_, columns.lod, n.lod);
-  read_rows(*file_, columns.kind, n.kind);
-  read_rows(*file_, columns.child_mask, n.child_mask);
-  if (header_.leaf_lod != 0) read_rows(*file_, columns.leaf_mask, n.leaf_mask);
-  read_rows(*file_, columns.first_child, n.first_child);
-  read_rows(*file_, columns.value, n.value);
-  read_rows(*file_, columns.normal, n.normal);
+  read_rows(data_file(), columns.key, n.key);
+  read_rows(data_file(), columns.lod, n.lod);
+  read_rows(data_file(), columns.kind, n.kind);
+  read_rows(data_file(), columns.child_mask, n.child_mask);
+  if (header_.leaf_lod != 0) read_rows(data_file(), columns.leaf_mask, n.leaf_mask);
+  read_rows(data_file(), columns.first_child, n.first_child);
+  read_rows(data_file(), columns.value, n.value);
+  read_rows(data_file(), columns.normal, n.normal);
   if (header_.has_directional_coverage)
-    n.directional_coverage =
-        directional_coverage_of_rows(read_bytes(*file_, columns.directional_coverage), columns.directional_coverage);
-  if (header_.has_classes) read_rows(*file_, columns.voxel_class, n.voxel_class);
+    n.directional_coverage = directional_coverage_of_rows(read_bytes(data_file(), columns.directional_coverage),
+                                                          columns.directional_coverage);
+  if (header_.has_classes) read_rows(data_file(), columns.voxel_class, n.voxel_class);
   n.has_finest_planes = has_finest_planes(version_, header_);
   check_nodes(path_, header_, n);
   return n;
@@ -92,11 +98,11 @@ NodeTable ShardReader::nodes() const {
 BrickLevel ShardReader::level(int lod) const {
   if (lod < 0 || std::uint32_t(lod) >= header_.lods)
     throw InputError(path_, level_group(lod), "the cell has no such level");
-  return read_brick_level(FileColumns(*file_), header_, version_, lod);
+  return read_brick_level(FileColumns(data_file()), header_, version_, lod);
 }
 
 CoarseLevels ShardReader::coarse_levels(int lod) const {
-  return read_coarse_levels(FileColumns(*file_), header_, version_, lod);
+  return read_coarse_levels(FileColumns(data_file()), header_, version_, lod);
 }
 
 DownsampleState ShardReader::above() const {
@@ -104,12 +110,13 @@ DownsampleState ShardReader::above() const {
   if (!hash) return {};
   const DownsampleStateColumns columns(int(header_.first_lod + header_.lods) - 1);
   DownsampleState above;
-  read_rows(*file_, columns.place, above.place);
-  read_rows(*file_, columns.rgba, above.rgba);
-  if (header_.has_normals) read_rows(*file_, columns.normal, above.normal);
-  if (columns.raster.width != 0 && file_->has_column(columns.raster)) read_rows(*file_, columns.raster, above.raster);
-  if (file_->has_column(columns.patch)) read_rows(*file_, columns.patch, above.patch);
-  if (header_.has_classes) read_rows(*file_, columns.voxel_class, above.voxel_class);
+  read_rows(data_file(), columns.place, above.place);
+  read_rows(data_file(), columns.rgba, above.rgba);
+  if (header_.has_normals) read_rows(data_file(), columns.normal, above.normal);
+  if (columns.raster.width != 0 && data_file().has_column(columns.raster))
+    read_rows(data_file(), columns.raster, above.raster);
+  if (data_file().has_column(columns.patch)) read_rows(data_file(), columns.patch, above.patch);
+  if (header_.has_classes) read_rows(data_file(), columns.voxel_class, above.voxel_class);
   check_above(path_, header_, above);
   if (hash_of(above) != *hash) file_->fail("/above", "does not match above_hash");
   return above;
@@ -117,7 +124,7 @@ DownsampleState ShardReader::above() const {
 
 Shard ShardReader::all() const {
   Shard shard{header_, nodes(), {}, above()};
-  shard.levels = read_brick_levels(FileColumns(*file_), header_, version_, shard.nodes, 0);
+  shard.levels = read_brick_levels(FileColumns(data_file()), header_, version_, shard.nodes, 0);
   check_leaves(path_, shard.nodes, shard.levels);
   return shard;
 }
@@ -134,20 +141,28 @@ std::vector<Hdf5Column> ShardReader::columns_of_level(int lod) const {
     const ChannelColumns of_channel(columns.group, channel);
     all.push_back(of_channel.value);
     for (const Hdf5Column& column : {of_channel.share, of_channel.first})
-      if (file_->has_column(column)) all.push_back(column);
+      if (data_file().has_column(column)) all.push_back(column);
   }
   return all;
 }
 
+std::uint64_t ShardReader::stored_bytes(const Hdf5Column& column) const {
+  const ChunkedColumn* listed = with_table_ ? with_table_->chunk_table()->find(column.name) : nullptr;
+  if (listed == nullptr) return file_->stored_bytes(column);
+  std::uint64_t bytes = 0;
+  for (const ChunkPlace& chunk : listed->chunks) bytes += chunk.bytes;
+  return bytes;
+}
+
 std::uint64_t ShardReader::level_bytes(int lod) const {
   std::uint64_t bytes = 0;
-  for (const Hdf5Column& column : columns_of_level(lod)) bytes += file_->stored_bytes(column);
+  for (const Hdf5Column& column : columns_of_level(lod)) bytes += stored_bytes(column);
   return bytes;
 }
 
 std::uint64_t ShardReader::node_bytes() const {
   std::uint64_t bytes = 0;
-  for (const Hdf5Column& column : NodeColumns(version_).all(header_)) bytes += file_->stored_bytes(column);
+  for (const Hdf5Column& column : NodeColumns(version_).all(header_)) bytes += stored_bytes(column);
   return bytes;
 }
 
@@ -165,24 +180,28 @@ std::vector<Hdf5Column> ShardReader::all_columns() const {
   return all;
 }
 
-std::vector<std::string> ShardReader::faults_of_chunk_table() const {
+std::vector<std::string> ShardReader::check_chunk_table() {
+  const Hdf5Turn turn;  // threads would otherwise wait for each other at each chunk
   std::vector<std::string> faults;
   add_fault(faults, [&] {
-    const Hdf5File with_table = Hdf5File::open(path_, ChunkPlaces::by_table);
-    const ChunkTable* table = with_table.chunk_table();
+    auto with_table = std::make_unique<const Hdf5File>(Hdf5File::open(path_, ChunkPlaces::by_table));
+    const ChunkTable* table = with_table->chunk_table();
     if (table == nullptr) return;
-    const std::vector<Hdf5Column> columns = all_columns();
-    for (const Hdf5Column& column : columns) add_fault(faults, [&] { check_listed(*file_, column, *table); });
-    if (table->names().size() != columns.size())
+    const std::vector<Hdf5Column> all = all_columns();
+    for (const Hdf5Column& column : all) add_fault(faults, [&] { check_listed(*file_, column, *table); });
+    if (table->names().size() != all.size())
       file_->fail("/chunks", "lists " + pluralize(table->names().size(), "column") + " of " +
-                                 std::to_string(columns.size()) + "; bake the cell again");
+                                 std::to_string(all.size()) + "; bake the cell again");
+    if (faults.empty()) with_table_ = std::move(with_table);
   });
   return faults;
 }
 
 std::vector<std::string> ShardReader::unreadable_columns() const {
   std::vector<std::string> faults;
-  const auto try_column = [&](const Hdf5Column& column) { add_fault(faults, [&] { read_bytes(*file_, column); }); };
+  const auto try_column = [&](const Hdf5Column& column) {
+    add_fault(faults, [&] { read_bytes(data_file(), column); });
+  };
   for (const Hdf5Column& column : NodeColumns(version_).all(header_)) try_column(column);
   for (int lod = 0; lod < int(header_.lods); ++lod)
     for (const Hdf5Column& column : columns_of_level(lod)) try_column(column);

@@ -13,6 +13,7 @@ namespace gigabake {
 
 struct CoarseLevels;  // format/shard/levels/coarse_levels.h
 class Hdf5File;
+class Hdf5Turn;
 struct Hdf5Column;
 
 /// The amount of data read from all columns of a file since it was opened.
@@ -22,7 +23,7 @@ struct ColumnReads {
 };
 
 /// Reader of a shard. Checks every size, count and checksum before using the data. Reads the datasets of the file, not
-/// its table of chunks, and refuses links to other files.
+/// its table of chunks unless check_chunk_table() has compared it, and refuses links to other files.
 /// Errors  InputError naming file and dataset, from every member.
 class ShardReader {
  public:
@@ -50,17 +51,22 @@ class ShardReader {
   /// Returns the amount of column data read so far.
   ColumnReads reads() const;
   /// Compares the table of chunks, if the shard has one, with HDF5's indexes of all columns. Returns one message for
-  /// each dataset that differs or has a damaged index. Never throws for damaged data.
-  std::vector<std::string> faults_of_chunk_table() const;
+  /// each dataset that differs or has a damaged index. If there is none, later reads use the table, and threads that
+  /// read other shards do not wait for HDF5. Never throws for damaged data.
+  std::vector<std::string> check_chunk_table();
   /// Returns one message for each dataset that cannot be read. Never throws for damaged data.
   std::vector<std::string> unreadable_columns() const;
 
  private:
+  ShardReader(const std::filesystem::path& path, const Hdf5Turn& turn);
+  const Hdf5File& data_file() const { return with_table_ ? *with_table_ : *file_; }
+  std::uint64_t stored_bytes(const Hdf5Column& column) const;
   std::vector<Hdf5Column> columns_of_level(int lod) const;
   std::vector<Hdf5Column> all_columns() const;
 
   std::filesystem::path path_;
-  std::unique_ptr<const Hdf5File> file_;
+  std::unique_ptr<const Hdf5File> file_;        ///< located by HDF5's indexes
+  std::unique_ptr<const Hdf5File> with_table_;  ///< set once the table is known to match the indexes
   ShardHeader header_;
   std::int32_t version_;
 };

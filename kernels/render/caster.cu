@@ -323,7 +323,7 @@ class CudaCaster final : public Caster {
   DeviceArray<NodeWord> nodes_;
   DeviceArray<std::uint32_t> parent_bricks_;
   UploadRing uploads_;
-  /// Pages and bricks have an own stream, so that another thread uploads them while rays are cast.
+  /// Pages and bricks have a separate stream, so that another thread uploads them while rays are cast.
   Stream data_stream_;
   DeviceHeap data_heap_;
   UploadRing data_uploads_;

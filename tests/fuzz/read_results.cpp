@@ -29,7 +29,7 @@ const test::SourceFolder& scratch() {
 
 void shard(Bytes bytes) {
   const Path file = written(scratch(), "shard.h5", bytes);
-  ShardReader(file).faults_of_chunk_table();
+  ShardReader(file).check_chunk_table();
   ShardReader(file).unreadable_columns();
   const ShardPages pages(file);
   for (int lod = 0; lod < int(pages.header().lods); ++lod)

@@ -48,8 +48,8 @@ void check_voxels(const Shard& shard, const SceneCell& cell, Faults& faults) {
 
 /// Reads a whole shard; returns nullopt if it is damaged. Then adds a line per damaged dataset to `faults` or, if all
 /// datasets are readable, a line with the violated rule.
-std::optional<Shard> read_whole(const ShardReader& reader, Faults& faults) {
-  faults.lines = reader.faults_of_chunk_table();
+std::optional<Shard> read_whole(ShardReader& reader, Faults& faults) {
+  faults.lines = reader.check_chunk_table();
   if (!faults.lines.empty()) return std::nullopt;
   try {
     return reader.all();
@@ -71,7 +71,7 @@ std::vector<std::string> check_cell(const SceneHeader& scene, const SceneCell& c
                                     const std::filesystem::path& path) {
   Faults faults(path);
   try {
-    const ShardReader reader(path);
+    ShardReader reader(path);
     if (const auto shard = read_whole(reader, faults)) check_voxels(*shard, cell, faults);
     for (const auto& [attribute, what] : differences_from_scene(reader.header(), scene, cell))
       faults.expect(false, attribute, what);

@@ -11,6 +11,7 @@
 #include "core/base/work_counts.h"
 #include "core/codec/chunk_rows.h"
 #include "format/shard/hdf5/hdf5_rows.h"
+#include "format/shard/levels/content_hash.h"
 #include "format/shard/shard_pages.h"
 #include "format/shard/shard_reader.h"
 #include "tests/format/shard/made_shard.h"
@@ -211,17 +212,33 @@ TEST(ChunkTableOfAShard, SavesOpeningTheDatasets) {
   EXPECT_EQ(work_counts().since(before)[WorkCounter::shard_datasets_opened], 1u);
 }
 
+/// A check opens each dataset once. Later reads do not open datasets.
+TEST(ChunkTableOfAShard, ReplacesTheIndexesOnceItWasCompared) {
+  const test::RandomSeed seed;
+  std::mt19937_64 rng(seed);
+  const made::TempFolder folder;
+  const Shard written = made::random_shard(rng, {.lods = 5, .nested = true});
+  write_shard(folder / "s.h5", written, {});
+  ShardReader by_index(folder / "s.h5"), checked(folder / "s.h5");
+  EXPECT_EQ(checked.check_chunk_table(), std::vector<std::string>());
+  const WorkCounts before = work_counts();
+  EXPECT_EQ(content_hash(checked.all()), content_hash(written));
+  EXPECT_EQ(work_counts().since(before)[WorkCounter::shard_datasets_opened], 0u);
+  for (int lod = 0; lod < 5; ++lod) EXPECT_EQ(checked.level_bytes(lod), by_index.level_bytes(lod)) << lod;
+  EXPECT_EQ(checked.node_bytes(), by_index.node_bytes());
+}
+
 /// Renames datasets with HDF5 itself, as another program could.
 TEST(ChunkTableOfAShard, IsComparedWithTheIndexes) {
   const made::TempFolder folder;
   write_shard(folder / "s.h5", made::small_shard(), {});
-  EXPECT_EQ(ShardReader(folder / "s.h5").faults_of_chunk_table(), std::vector<std::string>());
+  EXPECT_EQ(ShardReader(folder / "s.h5").check_chunk_table(), std::vector<std::string>());
   const hid_t file = H5Fopen((folder / "s.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   for (const auto& [from, to] :
        {std::pair("/nodes/lod", "/nodes/l"), {"/nodes/child_mask", "/nodes/lod"}, {"/nodes/l", "/nodes/child_mask"}})
     ASSERT_GE(H5Lmove(file, from, H5L_SAME_LOC, to, H5P_DEFAULT, H5P_DEFAULT), 0);
   H5Fclose(file);
-  const std::vector<std::string> faults = ShardReader(folder / "s.h5").faults_of_chunk_table();
+  const std::vector<std::string> faults = ShardReader(folder / "s.h5").check_chunk_table();
   ASSERT_EQ(faults.size(), 2u);
   EXPECT_NE(faults[0].find("/chunks: does not match the dataset /nodes/lod"), std::string::npos) << faults[0];
   EXPECT_NE(faults[1].find("/chunks: does not match the dataset /nodes/child_mask"), std::string::npos) << faults[1];
@@ -241,7 +258,7 @@ TEST(ChunkTableOfAShard, IsNotComparedWithTheChunksOfADamagedShape) {
   ASSERT_GE(set, 0);
   H5Dclose(set);
   H5Fclose(file);
-  const std::vector<std::string> faults = ShardReader(folder / "s.h5").faults_of_chunk_table();
+  const std::vector<std::string> faults = ShardReader(folder / "s.h5").check_chunk_table();
   ASSERT_EQ(faults.size(), 1u);
   EXPECT_NE(faults[0].find("/chunks: does not match the dataset /nodes/lod"), std::string::npos) << faults[0];
 }
