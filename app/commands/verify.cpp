@@ -1,6 +1,8 @@
 #include "format/scene/check/verify.h"
 
 #include <fmt/format.h>
+#include <limits>
+#include <malloc.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -22,6 +24,15 @@ std::string state_of(const VerifyResult& r) {
   return r.missing.any() ? "sound, but incomplete: " + describe(r.missing) : std::string("whole");
 }
 
+/// Makes glibc keep freed memory. Each cell needs about the same memory as the cell before, and the page faults of new
+/// memory took a fifth of the time.
+void keep_freed_memory() {
+  constexpr int max_kept_block = 32 << 20;  // glibc's limit
+  ::mallopt(M_MMAP_THRESHOLD, max_kept_block);
+  ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  ::mallopt(M_TOP_PAD, 2 * max_kept_block);
+}
+
 }  // namespace
 
 void add_verify(CLI::App& app, int& exit_code) {
@@ -34,6 +45,7 @@ void add_verify(CLI::App& app, int& exit_code) {
   command->add_flag("--json", *json, "print the answer as JSON");
   command->add_flag("-q,--quiet", *quiet, "print only faults");
   command->callback([scene, json, quiet, &exit_code] {
+    keep_freed_memory();
     const std::filesystem::path file = scene_argument(*scene);
     const auto check_overview = [&file](const SceneHeader& header, const SceneCell& overview,
                                         std::span<const SceneCell> children) {
