@@ -58,6 +58,33 @@ std::string fault_of_bricks(const BrickBlock& block, bool has_normals) {
   return {};
 }
 
+/// The result of a call of the producer. An error is returned as text, because two threads would otherwise share the
+/// exception, and the later one would free it.
+struct Outcome {
+  std::optional<Page> page;
+  std::string problem;
+  bool names_page = false;  ///< the problem is the message of an InputError
+};
+
+Outcome outcome_of(const PageSource& producer, const PageKey& key) {
+  try {
+    return {producer(key), {}, false};
+  } catch (const InputError& error) {
+    return {{}, error.what(), true};
+  } catch (const std::exception& error) {
+    return {{}, error.what(), false};
+  } catch (...) {
+    return {{}, "it failed for an unknown reason", false};
+  }
+}
+
+/// Returns the page, or throws the problem. Adds the page's name to a problem that lacks it.
+Page page_of(const PageKey& key, Outcome outcome) {
+  if (outcome.page) return std::move(*outcome.page);
+  if (outcome.names_page) throw InputError("", "", outcome.problem);
+  refuse_page(key, outcome.problem);
+}
+
 class Guard {
  public:
   Guard(PageSource producer, const SceneHeader& scene, const ProducerLimits& limits)
@@ -81,32 +108,18 @@ class Guard {
   }
 
  private:
-  /// Returns the result of `get`, which calls the producer. Adds the page's name to errors that lack it.
-  template <class Get>
-  static Page page_from(const PageKey& key, const Get& get) {
-    try {
-      return get();
-    } catch (const InputError&) {
-      throw;
-    } catch (const std::exception& error) {
-      refuse_page(key, error.what());
-    } catch (...) {
-      refuse_page(key, "it failed for an unknown reason");
-    }
-  }
-
   Page in_time(const PageKey& key) {
-    if (limits_.seconds <= 0) return page_from(key, [&] { return (*producer_)(key); });
+    if (limits_.seconds <= 0) return page_of(key, outcome_of(*producer_, key));
     if (late_ >= limits_.max_late)
       refuse_page(key, "it was late " + std::to_string(limits_.max_late) + " times and is not requested again");
-    std::packaged_task<Page()> task([producer = producer_, key] { return (*producer)(key); });
-    std::future<Page> page = task.get_future();
+    std::packaged_task<Outcome()> task([producer = producer_, key] { return outcome_of(*producer, key); });
+    std::future<Outcome> outcome = task.get_future();
     std::thread(std::move(task)).detach();
-    if (page.wait_for(std::chrono::duration<double>(limits_.seconds)) != std::future_status::ready) {
+    if (outcome.wait_for(std::chrono::duration<double>(limits_.seconds)) != std::future_status::ready) {
       ++late_;
       refuse_page(key, "no page within " + std::to_string(limits_.seconds) + " s");
     }
-    return page_from(key, [&] { return page.get(); });
+    return page_of(key, outcome.get());
   }
 
   std::shared_ptr<PageSource> producer_;
