@@ -9,11 +9,8 @@ using BrickPages = std::array<StoredVoxels, max_brick_pages>;
 
 void write_runs(const StoredVoxelShading& shading, const BrickPages& pages, const CastBrick& brick,
                 PackedVoxel* parts) {
-  constexpr int per_layer = slot_edge * slot_edge;
-  for (const VoxelRun& run : brick.runs) {
-    const CastLayer layer = load_layer({brick.head.layers, 0, parts}, run.place / per_layer);
-    write_run(shading, brick.lod, pages[run.page], run, layer, parts);
-  }
+  for (const VoxelRun& run : brick.runs)
+    write_run(shading, brick.lod, pages[run.page], run, {brick.head.layers, 0, parts}, parts);
 }
 
 }  // namespace

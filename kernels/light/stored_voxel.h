@@ -101,11 +101,13 @@ GB_HD StoredVoxels voxels_of(const StoredVoxels& pool, const PooledPage& page) {
           page.has_classes ? pool.voxel_class + first : nullptr};
 }
 
-/// Writes the voxels of a run to a brick's parts, which begin at parts[0]. `layer` is the layer of the run's voxels.
+/// Writes the voxels of a run to a brick's parts, which begin at parts[0]. `layers` has at least the brick's layers.
 /// Exact   Host and device write the same bits.
 GB_HD void write_run(const StoredVoxelShading& shading, int lod, const StoredVoxels& page, const VoxelRun& run,
-                     const CastLayer& layer, PackedVoxel* parts) {
-  PackedVoxel* const to = parts + window_of(layer, run.place % (slot_edge * slot_edge)).first;
+                     const BrickView& layers, PackedVoxel* parts) {
+  constexpr int per_layer = slot_edge * slot_edge;
+  const CastLayer layer = load_layer(layers, run.place / per_layer);
+  PackedVoxel* const to = parts + window_of(layer, run.place % per_layer).first;
   for (std::uint32_t k = 0; k < run.count; ++k) to[k] = shaded_voxel(shading, lod, page, std::size_t(run.from) + k);
 }
 

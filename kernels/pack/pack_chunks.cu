@@ -47,16 +47,9 @@ BatchPlan plan_batch(std::span<const RawChunk> chunks, std::size_t first, std::u
   return plan;
 }
 
-template <class T>
-DeviceArray<T> uploaded(DeviceHeap& heap, const std::vector<T>& host) {
-  DeviceArray<T> device(heap, host.size());
-  upload_async(device.data(), host.data(), device.bytes(), heap.stream(), "cudaMemcpyAsync");
-  return device;
-}
-
 void pack_batch(DeviceHeap& heap, const BatchPlan& plan, pack::Batch batch, StreamClock* clock) {
-  const DeviceArray<pack::ChunkPlace> chunks = uploaded(heap, plan.chunks);
-  const DeviceArray<pack::BlockPlace> blocks = uploaded(heap, plan.blocks);
+  const DeviceArray<pack::ChunkPlace> chunks = uploaded(heap, plan.chunks.data(), plan.chunks.size());
+  const DeviceArray<pack::BlockPlace> blocks = uploaded(heap, plan.blocks.data(), plan.blocks.size());
   const DeviceArray<pack::BlockSymbols> symbols(heap, plan.blocks.size());
   const DeviceArray<std::uint8_t> bytes(heap, plan.staged_bytes);
   const DeviceArray<std::uint32_t> words(heap, plan.staged_bytes);

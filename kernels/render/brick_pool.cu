@@ -37,15 +37,14 @@ struct NewBrickArrays {
 /// one brick.
 __global__ void scatter_bricks(NewBrickArrays bricks, StoredVoxelShading shading, StoredVoxels pages, CastHead* heads,
                                PackedVoxel* voxels) {
-  constexpr int per_layer = slot_edge * slot_edge;
   const VoxelMove move = bricks.moves[blockIdx.x];
   copy_voxels(bricks.voxels + move.from, move.count, voxels + move.to);
   CastHead head = bricks.heads[blockIdx.x];
   const NewRuns& own = bricks.runs_of[blockIdx.x];
   for (std::uint32_t i = threadIdx.x; i < own.count; i += blockDim.x) {
     const VoxelRun run = bricks.runs[own.first + i];
-    const CastLayer layer = load_layer({head.layers, move.from, bricks.voxels}, run.place / per_layer);
-    write_run(shading, own.lod, voxels_of(pages, own.pages[run.page]), run, layer, voxels + move.to);
+    write_run(shading, own.lod, voxels_of(pages, own.pages[run.page]), run, {head.layers, move.from, bricks.voxels},
+              voxels + move.to);
   }
   if (threadIdx.x != 0) return;
   head.first = move.to;

@@ -57,12 +57,6 @@ struct ColumnPart {
   std::size_t byte_count;
 };
 
-DeviceArray<std::uint8_t> device_copy(DeviceHeap& heap, const std::uint8_t* host, std::size_t bytes) {
-  DeviceArray<std::uint8_t> array(heap, bytes);
-  check_cuda(cudaMemcpyAsync(array.data(), host, bytes, cudaMemcpyHostToDevice, heap.stream()), "cudaMemcpyAsync");
-  return array;
-}
-
 }  // namespace
 
 DevicePagePool::DevicePagePool(DeviceHeap& heap, UploadRing& uploads, const ThreadPool& pool, const PagePoolSize& size,
@@ -73,8 +67,8 @@ DevicePagePool::DevicePagePool(DeviceHeap& heap, UploadRing& uploads, const Thre
   for (std::size_t c = 0; c < column_count; ++c)
     if (exists[c])
       columns_[c] = DeviceArray<std::uint32_t>(heap, words_of(columns_of({})[c].bytes_per_voxel * size.voxels));
-  coverage_ = device_copy(heap, size.shading.coverage, std::size_t(max_cast_lods) * 256);
-  class_colour_ = device_copy(heap, size.shading.class_colour, 3 * (1 + class_colour_count));
+  coverage_ = uploaded(heap, size.shading.coverage, std::size_t(max_cast_lods) * 256);
+  class_colour_ = uploaded(heap, size.shading.class_colour, 3 * (1 + class_colour_count));
   shading_.coverage = coverage_.data();
   shading_.class_colour = class_colour_.data();
   shading_.tables = tables;

@@ -97,7 +97,7 @@ class BrickFiller {
     }
   }
 
-  /// Sets a voxel that is not a copy of one in a page.
+  /// Sets a voxel that the brick stores, in place of a run.
   void put(int x, int y, int z, const kernels::PackedVoxel& voxel) {
     has_own_voxels_ = true;
     slot_.voxel[x + slot_edge * (y + slot_edge * z)] = voxel;

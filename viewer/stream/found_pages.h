@@ -10,7 +10,7 @@
 namespace gigabake {
 
 /// A cache of Pager::find(), which reads several cache lines that other threads may have changed. Pages with the same
-/// hash replace each other. Clear it before the pager's next pass.
+/// hash replace each other. It is valid for one pass of the pager.
 class FoundPages {
  public:
   /// Returns the page; null if it is not in the cache.

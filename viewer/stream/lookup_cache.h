@@ -19,7 +19,7 @@ struct NodePath {
   ShardExtent extent;                                ///< latest shard of provider 0 (ShardMap::find())
 };
 
-/// The cache of one thread for one pass of the pager. Clear it before the next pass.
+/// The cache of one thread. It is valid for one pass of the pager.
 struct LookupCache {
   FoundPages pages;
   NodePath path;

@@ -32,7 +32,7 @@ struct PageKey {
   /// scene.xml to a page decreases the value by 1.
   static constexpr std::int32_t listing = -2;
 
-  friend bool operator==(const PageKey&, const PageKey&) = default;
+  friend bool operator==(const PageKey&, const PageKey&) = default;  // nvcc 13 does not define the implied operator
   friend auto operator<=>(const PageKey&, const PageKey&) = default;
 };
 

@@ -57,7 +57,10 @@ kernels::PagePoolSize page_pool_size(const SceneStream::Options& options, const 
   return size;
 }
 
-kernels::PoolSizes pool_sizes(const CellLayout& layout, std::uint64_t bytes) {
+/// Returns the sizes of the pools of nodes and bricks, which share their memory with the page pool.
+kernels::PoolSizes pool_sizes(const CellLayout& layout, const SceneStream::Options& options,
+                              const kernels::PagePoolSize& pages) {
+  const std::uint64_t bytes = bytes_for_pools(options) - pages.bytes();
   const std::uint32_t minimum = PoolAllocator::min_tiles(layout.cells.size(), layout.scene.lods);
   const kernels::PoolSizes first{minimum, min_slots, min_slots * kernels::max_parts};
   const std::uint64_t one = kernels::PoolSizes{1, 2, 2 * parts_per_slot}.bytes(), roots = first.bytes();
@@ -125,14 +128,13 @@ SceneStream::SceneStream(const PagedScene& scene, Opened opened, PageSource sour
       pager_(std::move(source), {options.page_threads, page_bytes_}),
       lookup_(map_, pager_),
       page_pool_size_(page_pool_size(options, scene.header(), shading_)),
-      allocator_(layout_.cells.size(), layout_.scene.lods,
-                 pool_sizes(layout_, bytes_for_pools(options) - page_pool_size_.bytes())),
+      allocator_(layout_.cells.size(), layout_.scene.lods, pool_sizes(layout_, options, page_pool_size_)),
       pooled_pages_(page_pool_size_),
       answers_(layout_, shading_, allocator_, pager_, lookup_, pooled_pages_, policy) {
   layout_.scene.light = options.light;
   layout_.scene.is_lit =
       options.surface == Surface::colour && scene.header().has_normals && depends_on_normal(options.light);
-  const kernels::PoolSizes sizes = pool_sizes(layout_, bytes_for_pools(options) - page_pool_size_.bytes());
+  const kernels::PoolSizes sizes = pool_sizes(layout_, options, page_pool_size_);
   pool_bytes_ = sizes.bytes() + page_pool_size_.bytes();
   caster_ = make_caster(layout_, sizes, page_pool_size_, options, policy);
 }

@@ -11,13 +11,6 @@ constexpr std::size_t alignment = 256;
 
 std::size_t aligned(std::size_t bytes) { return (bytes + alignment - 1) / alignment * alignment; }
 
-template <class T>
-DeviceArray<T> upload(DeviceHeap& heap, const T* host, std::size_t size) {
-  DeviceArray<T> array(heap, size);
-  if (size != 0) upload_async(array.data(), host, size * sizeof(T), heap.stream(), "cudaMemcpyAsync (upload)");
-  return array;
-}
-
 /// Host arrays packed one after the other into one device array; an array that was added twice is stored once.
 class Layout {
  public:
@@ -105,12 +98,12 @@ void DeviceTextures::make_room(std::uint64_t bytes) {
 
 DeviceTables::DeviceTables(DeviceHeap& heap) {
   const Tables host = TableStore::host().view();
-  linear_from_srgb_ = upload(heap, host.linear_from_srgb, srgb_codes);
-  srgb_from_linear_ = upload(heap, host.srgb_from_linear, linear_values);
-  unit_normal_ = upload(heap, host.unit_normal, 4 * normal_codes);
-  thesis_alpha_ = upload(heap, host.thesis_alpha, alpha_sums);
-  planar_coverage_ = upload(heap, host.planar_coverage, planar_coverages);
-  linear_from_code_ = upload(heap, host.linear_from_code, srgb_codes);
+  linear_from_srgb_ = uploaded(heap, host.linear_from_srgb, srgb_codes);
+  srgb_from_linear_ = uploaded(heap, host.srgb_from_linear, linear_values);
+  unit_normal_ = uploaded(heap, host.unit_normal, 4 * normal_codes);
+  thesis_alpha_ = uploaded(heap, host.thesis_alpha, alpha_sums);
+  planar_coverage_ = uploaded(heap, host.planar_coverage, planar_coverages);
+  linear_from_code_ = uploaded(heap, host.linear_from_code, srgb_codes);
 }
 
 Tables DeviceTables::view() const {
@@ -147,14 +140,14 @@ DeviceInput::DeviceInput(DeviceHeap& heap, const CellInput& input, DeviceTexture
     vertex_count_ = counted(std::size_t(vertex_count_) + p.position.size / 3, "vertices");
     triangle_count_ = counted(std::size_t(triangle_count_) + p.index.size / 3, "triangles");
   }
-  parts_ = upload(heap, parts.data(), parts.size());
-  materials_ = upload(heap, input.materials.data, input.materials.size);
+  parts_ = uploaded(heap, parts.data(), parts.size());
+  materials_ = uploaded(heap, input.materials.data, input.materials.size);
   std::vector<TextureView> views;
   for (std::size_t i = 0; i < input.textures.size; ++i) {
     held_.push_back(textures.get(input.textures[i]));
     views.push_back(held_.back()->view);
   }
-  textures_ = upload(heap, views.data(), views.size());
+  textures_ = uploaded(heap, views.data(), views.size());
   cell_materials_ = materials_in(input);
   wait_for(heap.stream(), "cudaStreamSynchronize (upload)");  // host arrays may be freed now
 }

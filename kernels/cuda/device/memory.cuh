@@ -128,6 +128,13 @@ inline void check_launch(const char* kernel) {
 /// Copies in stream order, and counts the bytes. `what` names the step in an error's message.
 void upload_async(void* device, const void* host, std::size_t bytes, cudaStream_t stream, const char* what);
 void download_async(void* host, const void* device, std::size_t bytes, cudaStream_t stream, const char* what);
+/// Returns a copy of `size` elements, in stream order.
+template <class T>
+DeviceArray<T> uploaded(DeviceHeap& heap, const T* host, std::size_t size) {
+  DeviceArray<T> array(heap, size);
+  if (size != 0) upload_async(array.data(), host, array.bytes(), heap.stream(), "cudaMemcpyAsync (upload)");
+  return array;
+}
 /// Waits for the stream or event, and counts the synchronization.
 void wait_for(cudaStream_t stream, const char* what);
 void wait_for(cudaEvent_t event, const char* what);

@@ -14,7 +14,7 @@ using kernels::RequestKind;
 
 /// The number of requests that are answered in parallel before the clock is checked and the pools are filled. It is
 /// large enough to outweigh the start of the threads, and small enough to take less than 2 ms.
-constexpr std::size_t requests_per_thread = 256, min_requests_per_batch = 256;
+constexpr std::size_t requests_per_thread = 256;
 /// The maximum number of requests answered per pass, the most urgent first.
 constexpr std::size_t max_requests = 32768;
 /// The number of waiting requests that are answered again in each pass if pages may be evicted. Otherwise the pages
@@ -166,8 +166,7 @@ void RequestAnswers::reuse(std::vector<kernels::CastBrick> bricks) {
 }
 
 std::span<RequestAnswer> RequestAnswers::next_batch(const std::atomic<bool>* stop) {
-  const std::size_t per_batch = std::max(min_requests_per_batch, requests_per_thread * std::size_t(policy_.threads()));
-  const std::size_t count = std::min(ranks_.size() - next_, per_batch);
+  const std::size_t count = std::min(ranks_.size() - next_, requests_per_thread * std::size_t(policy_.threads()));
   batch_.resize(count);
   missing_pages_.resize(count);
   std::atomic<std::size_t> taken{0};  // of spare_, from its end
