@@ -55,9 +55,15 @@ class ShardLevels {
  public:
   /// `max_bytes` limits the total size of the cached levels. A single level that is larger stays until the next level
   /// is read.
-  ShardLevels(const PagedScene& scene, std::uint64_t max_bytes) : scene_(scene), levels_(max_bytes, 1) {}
+  ShardLevels(const PagedScene& scene, std::uint64_t max_bytes)
+      : scene_(scene), max_bytes_(max_bytes), levels_(max_bytes, 1) {}
 
+  /// Returns the level. If another thread reads it, waits for it.
+  /// Errors  The errors of ShardLevel.
   std::shared_ptr<const ShardLevel> get(const SceneCell& shard, int lod);
+  /// Reads the level for later calls of get(), unless it is cached or another thread reads it. Levels that take more
+  /// than a quarter of the cache are not read, so that the levels in use stay. Errors are left to get().
+  void read_ahead(const SceneCell& shard, int lod);
 
  private:
   struct Key {
@@ -70,6 +76,7 @@ class ShardLevels {
   };
 
   const PagedScene& scene_;
+  std::uint64_t max_bytes_;
   LoadingCache<Key, ShardLevel, KeyHash> levels_;
 };
 

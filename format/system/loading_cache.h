@@ -48,16 +48,19 @@ class LoadingCache {
     std::promise<Pointer> promise;
     Future pending;
     if (Pointer value = find_or_announce(key, promise, pending)) return value;
-    if (pending.valid()) return pending.get();
+    return pending.valid() ? pending.get() : load_announced(key, promise, load);
+  }
+
+  /// Loads the value of `key` for later calls of get(). Does nothing if the value is cached or another caller loads it.
+  /// Errors  None. If load() throws, no value is cached, and get() loads again and throws.
+  template <class Load>
+  void load_ahead(const Key& key, const Load& load) {
+    std::promise<Pointer> promise;
+    Future pending;
+    if (find_or_announce(key, promise, pending) || pending.valid()) return;
     try {
-      Pointer value = load();
-      keep(key, value);
-      promise.set_value(value);
-      return value;
-    } catch (...) {
-      forget(key);
-      promise.set_exception(std::current_exception());
-      throw;
+      load_announced(key, promise, load);
+    } catch (...) {  // of no value that is needed yet
     }
   }
 
@@ -89,6 +92,20 @@ class LoadingCache {
     else
       pending = at->second;
     return nullptr;
+  }
+
+  template <class Load>
+  Pointer load_announced(const Key& key, std::promise<Pointer>& promise, const Load& load) {
+    try {
+      Pointer value = load();
+      keep(key, value);
+      promise.set_value(value);
+      return value;
+    } catch (...) {
+      forget(key);
+      promise.set_exception(std::current_exception());
+      throw;
+    }
   }
 
   void keep(const Key& key, const Pointer& value) {

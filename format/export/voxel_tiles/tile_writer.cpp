@@ -48,14 +48,12 @@ TileRecord TileWriter::write(const TilePlace& tile) {
 std::optional<Hash128> TileWriter::made_of(const TilePlace& tile) {
   const int lod = source_.tiling.lod(tile.level);
   if (source_.made.has(lod)) return std::nullopt;
-  const Box3i64 reach = reach_of(source_.tiling.padded_box(tile), lod);
   ByteWriter writer;
-  for (const LevelOwner& owner : owners_near(tile)) {
-    if (intersection(window_of(owner.shard), reach).is_empty()) continue;
-    writer.put(owner.shard.lattice_min);
-    writer.put(owner.shard.cell_voxels);
-    writer.put(owner.shard.content_hash.at(std::size_t(lod) - owner.shard.first_lod));
-  }
+  for_each_shard_of(tile, near_, [&](const SceneCell& shard) {
+    writer.put(shard.lattice_min);
+    writer.put(shard.cell_voxels);
+    writer.put(shard.content_hash.at(std::size_t(lod) - shard.first_lod));
+  });
   return hash_of_bytes(writer.take());
 }
 
@@ -87,21 +85,33 @@ void TileWriter::fill(const TilePlace& tile) {
       if (box.contains(v.at)) set(v.at, v.rgba.data(), v.normal.data(), v.voxel_class);
     return;
   }
-  const Box3i64 reach = reach_of(box, lod);
-  for (const LevelOwner& owner : owners_near(tile))
-    if (!intersection(window_of(owner.shard), reach).is_empty())
-      source_.levels.get(owner.shard, lod)->for_each_voxel_in(box, set);
+  for_each_shard_of(tile, near_,
+                    [&](const SceneCell& shard) { source_.levels.get(shard, lod)->for_each_voxel_in(box, set); });
 }
 
-const std::vector<LevelOwner>& TileWriter::owners_near(const TilePlace& tile) {
+void TileWriter::read_ahead(const TilePlace& tile) {
+  const int lod = source_.tiling.lod(tile.level);
+  if (source_.made.has(lod)) return;
+  for_each_shard_of(tile, ahead_, [&](const SceneCell& shard) { source_.levels.read_ahead(shard, lod); });
+}
+
+/// Calls visit(shard) for each shard that has voxels of the tile or of its padding.
+template <class Visit>
+void TileWriter::for_each_shard_of(const TilePlace& tile, BlockOwners& near, const Visit& visit) {
+  const Box3i64 reach = reach_of(source_.tiling.padded_box(tile), source_.tiling.lod(tile.level));
+  for (const LevelOwner& owner : owners_near(tile, near))
+    if (!intersection(window_of(owner.shard), reach).is_empty()) visit(owner.shard);
+}
+
+const std::vector<LevelOwner>& TileWriter::owners_near(const TilePlace& tile, BlockOwners& near) {
   const TilePlace block{tile.level, tile.key >> 6 << 6};
-  if (block == block_) return owners_;
+  if (block == near.block) return near.owners;
   const int lod = source_.tiling.lod(tile.level);
   Box3i64 box = source_.tiling.padded_box(block);
   box.end += Vec3i64::all(3 * std::int64_t(source_.tiling.edge));
-  owners_ = source_.owners.of(lod, reach_of(box, lod));
-  block_ = block;
-  return owners_;
+  near.owners = source_.owners.of(lod, reach_of(box, lod));
+  near.block = block;
+  return near.owners;
 }
 
 TileRecord TileWriter::write_file(const TilePlace& tile) {

@@ -50,10 +50,20 @@ class TileWriter {
   bool take_over(const TilePlace& tile, const TileRecord& record, const std::filesystem::path& from);
   /// Writes a tile without voxels.
   TileRecord write_empty(const TilePlace& tile);
+  /// Reads the levels for a tile that a writer will write later (ShardLevels::read_ahead()).
+  void read_ahead(const TilePlace& tile);
 
  private:
+  /// The owners near the tiles of one block of 4³ tiles.
+  struct BlockOwners {
+    TilePlace block{~std::uint32_t(0), 0};
+    std::vector<LevelOwner> owners;
+  };
+
   void fill(const TilePlace& tile);
-  const std::vector<LevelOwner>& owners_near(const TilePlace& tile);
+  template <class Visit>
+  void for_each_shard_of(const TilePlace& tile, BlockOwners& near, const Visit& visit);
+  const std::vector<LevelOwner>& owners_near(const TilePlace& tile, BlockOwners& near);
   TileRecord write_file(const TilePlace& tile);
   std::string name_of(const TilePlace& tile) const { return "tiles/" + path_of(tile) + ".glb"; }
 
@@ -61,9 +71,8 @@ class TileWriter {
   std::filesystem::path target_, folder_;
   VoxelGrid grid_;
   GzipPacker packer_;
-  std::vector<std::uint8_t> file_;         ///< content of the tile's file before compression
-  TilePlace block_{~std::uint32_t(0), 0};  ///< block of 4³ tiles whose owners are in owners_
-  std::vector<LevelOwner> owners_;
+  std::vector<std::uint8_t> file_;  ///< content of the tile's file before compression
+  BlockOwners near_, ahead_;        ///< of the last tile that was written, and read ahead
 };
 
 }  // namespace gigabake

@@ -23,6 +23,9 @@ namespace gigabake {
 namespace {
 
 constexpr std::uint64_t level_cache_bytes = std::uint64_t(256) << 20;
+/// Number of tiles between a tile that is written and the tile whose levels are read at the same time. A level takes as
+/// long as about four tiles. Otherwise all threads would wait for a level that one of them reads.
+constexpr std::size_t tiles_ahead_per_thread = 8;
 
 /// Returns this rank's tiles. Each block of 2³ tiles is assigned to the rank with the smallest load. Tiles of a block
 /// stay together, because they read the same shards.
@@ -87,8 +90,12 @@ class TilesetExport {
     const TileRecords& known = before.rule == rule() ? before.tiles : none;
     progress_.step("writing tiles", own.size(), "tile");
     team_.together([&] {
+      const std::size_t ahead = tiles_ahead_per_thread * std::size_t(pool_.threads());
       pool_.parallel_for(own.size(), 1, [&](std::size_t i, std::size_t, int thread) {
-        written[i] = write_tile(*writers[std::size_t(thread)], own[i], known, target);
+        TileWriter& writer = *writers[std::size_t(thread)];
+        // Tiles of an earlier export may need no levels.
+        if (known.empty() && pool_.threads() > 1 && i + ahead < own.size()) writer.read_ahead(own[i + ahead]);
+        written[i] = write_tile(writer, own[i], known, target);
         progress_.advance();
       });
     });

@@ -91,6 +91,36 @@ TEST_F(LoadingCacheTest, LoadsAgainAfterALoadThatThrew) {
   EXPECT_EQ(get(1)->id, 1);
 }
 
+TEST_F(LoadingCacheTest, ReturnsAValueThatWasLoadedAhead) {
+  const auto load_ahead = [&](int id) {
+    cache.load_ahead(id, [&] {
+      loads.push_back(id);
+      return std::make_shared<const Blob>(Blob{id, 10});
+    });
+  };
+  load_ahead(1), load_ahead(1);
+  EXPECT_EQ(get(1)->id, 1);
+  load_ahead(1);
+  EXPECT_EQ(loads, std::vector{1});
+}
+
+TEST_F(LoadingCacheTest, LoadsAgainAfterALoadAheadThatThrew) {
+  cache.load_ahead(1, []() -> std::shared_ptr<const Blob> { throw std::runtime_error("disk"); });
+  EXPECT_EQ(cache.cost(), 0u);
+  EXPECT_EQ(get(1)->id, 1);
+  EXPECT_EQ(loads, std::vector{1});
+}
+
+TEST_F(LoadingCacheTest, DoesNotLoadAheadWhatIsBeingLoaded) {
+  const auto value = cache.get(1, [&] {
+    std::thread([&] {
+      cache.load_ahead(1, []() -> std::shared_ptr<const Blob> { throw std::logic_error("two loads"); });
+    }).join();  // returns, although the value is not loaded yet
+    return std::make_shared<const Blob>(Blob{1, 10});
+  });
+  EXPECT_EQ(value->id, 1);
+}
+
 TEST(LoadingCache, LoadsOnceForManyThreads) {
   LoadingCache<std::string, Blob> cache(1000);
   std::atomic<int> loads{0};
