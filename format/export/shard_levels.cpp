@@ -69,13 +69,17 @@ std::vector<Box3i64> bricks_of(const ShardHeader& header, const NodeTable& nodes
 }
 
 std::shared_ptr<const ShardLevel> ShardLevels::get(const SceneCell& shard, int lod) {
-  return levels_.get({shard.file, lod}, [&] { return std::make_shared<const ShardLevel>(scene_, shard, lod); });
+  return levels_.get({shard.file, lod}, [&] { return read(shard, lod); });
 }
 
 void ShardLevels::read_ahead(const SceneCell& shard, int lod) {
   constexpr std::uint64_t bytes_per_voxel = 8;  // colour, normal, class and a share of the masks
   if (shard.voxels.at(std::size_t(lod) - shard.first_lod) > max_bytes_ / 4 / bytes_per_voxel) return;
-  levels_.load_ahead({shard.file, lod}, [&] { return std::make_shared<const ShardLevel>(scene_, shard, lod); });
+  levels_.load_ahead({shard.file, lod}, [&] { return read(shard, lod); });
+}
+
+std::shared_ptr<const ShardLevel> ShardLevels::read(const SceneCell& shard, int lod) const {
+  return std::make_shared<const ShardLevel>(scene_, shard, lod);
 }
 
 }  // namespace gigabake

@@ -75,6 +75,8 @@ class ShardLevels {
     std::size_t operator()(const Key& key) const { return std::hash<std::string>()(key.file) + std::size_t(key.lod); }
   };
 
+  std::shared_ptr<const ShardLevel> read(const SceneCell& shard, int lod) const;
+
   const PagedScene& scene_;
   std::uint64_t max_bytes_;
   LoadingCache<Key, ShardLevel, KeyHash> levels_;
