@@ -15,26 +15,36 @@
 namespace gigabake::kernels {
 namespace {
 
-/// Units are the nodes `levels_above_units` levels below the root. They are at least `min_unit_level` levels above the
-/// bricks, because a launch for a small unit is not worth its cost.
+/// The smallest units are the nodes `levels_above_units` levels below the root. They are at least `min_unit_level`
+/// levels above the bricks, because a launch for a small unit is not worth its cost.
 constexpr int levels_above_units = 5, min_unit_level = 2;
-constexpr double live_share = 1.2;  ///< intended live bytes, as a multiple of the expected bytes of input and output
+constexpr double unit_share = 0.25;  ///< max contents of a larger unit, as a multiple of the max contents that fitted
+constexpr double live_share = 1.2;   ///< intended live bytes, as a multiple of the expected bytes of input and output
+constexpr double growth_share = 1.125;  ///< capacity of the arrays of parts, as a multiple of the expected size
+constexpr double retried_share =
+    1.5;  ///< max contents that are tried at once, as a multiple of the max contents that fitted
 
 std::uint64_t limit_of(std::uint64_t memory_bytes, std::uint64_t input_bytes) {
   if (memory_bytes == 0) return 0;
   return std::max({memory_bytes - std::min(memory_bytes, input_bytes), memory_bytes / 4, std::uint64_t(1)});
 }
 
-void append(Level& to, const Level& from) {
-  const std::uint64_t voxels = to.first.empty() ? 0 : to.first.back();
-  if (to.first.empty()) to.first.push_back(0);
-  to.key.insert(to.key.end(), from.key.begin(), from.key.end());
-  to.mask.insert(to.mask.end(), from.mask.begin(), from.mask.end());
-  for (std::size_t b = 1; b < from.first.size(); ++b) to.first.push_back(voxels + from.first[b]);
-  to.rgba.insert(to.rgba.end(), from.rgba.begin(), from.rgba.end());
-  to.normal.insert(to.normal.end(), from.normal.begin(), from.normal.end());
-  to.directional_coverage.insert(to.directional_coverage.end(), from.directional_coverage.begin(),
-                                 from.directional_coverage.end());
+/// Reserves capacity for `more` elements. An array that must grow gets capacity for the expected size of the cell.
+/// `done` is the share of the cell, in (0, 1], that is baked when the elements have been appended.
+template <class T>
+void reserve(std::vector<T>& array, std::uint64_t more, double done) {
+  const std::uint64_t size = array.size() + more;
+  if (size > array.capacity()) array.reserve(std::size_t(growth_share * double(size) / done));
+}
+
+void reserve(Level& to, const DeviceLevel& from, double done) {
+  reserve(to.key, from.bricks, done);
+  reserve(to.mask, 8 * std::uint64_t(from.bricks), done);
+  reserve(to.first, std::uint64_t(from.bricks) + 1, done);
+  reserve(to.rgba, 4 * std::uint64_t(from.voxels), done);
+  if (!from.normal.empty()) reserve(to.normal, 2 * std::uint64_t(from.voxels), done);
+  if (!from.directional_coverage.empty())
+    reserve(to.directional_coverage, directional_coverage_bytes * std::uint64_t(from.voxels), done);
 }
 
 template <class T>
@@ -63,12 +73,29 @@ struct CellBake::Cell {
 /// The octree nodes that a cell can be split into, and the pairs before each of them.
 struct CellBake::Units {
   int level;                                      ///< number of levels above the bricks
+  bool is_min_size;                               ///< a unit cannot be split
   std::vector<std::uint64_t> pairs_before{0};     ///< of triangles and bricks
   std::vector<std::uint64_t> contents_before{0};  ///< pairs, and voxels that edits fill
 
   void push_back(std::uint64_t pairs, std::uint64_t filled_voxels) {
     pairs_before.push_back(pairs_before.back() + pairs);
     contents_before.push_back(contents_before.back() + pairs + filled_voxels);
+  }
+  std::size_t size() const { return pairs_before.size() - 1; }
+  std::uint64_t contents() const { return contents_before.back(); }
+  std::uint64_t max_contents() const {
+    std::uint64_t max = 0;
+    for (std::size_t u = 1; u < contents_before.size(); ++u) max = std::max(max, contents(u - 1, u));
+    return max;
+  }
+  /// Returns units of eight of these units each.
+  Units merged() const {
+    Units out{level + 1, false};
+    for (std::size_t u = 8; u < pairs_before.size(); u += 8) {
+      out.pairs_before.push_back(pairs_before[u]);
+      out.contents_before.push_back(contents_before[u]);
+    }
+    return out;
   }
   std::uint64_t pairs(std::size_t first, std::size_t end) const { return pairs_before[end] - pairs_before[first]; }
   std::uint64_t contents(std::size_t first, std::size_t end) const {
@@ -198,20 +225,40 @@ DownsampleState CellBake::source_of(const LevelsAbove& all, int lod, MipFilter f
   return downsample_state(levels, lod, surface, filter);
 }
 
-/// Bakes the levels up to that of the units on the device, part by part. Computes the coarser levels, which are small,
-/// on the host.
-void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
-  Units units{std::clamp(cell.window.levels - levels_above_units, std::min(min_unit_level, cell.window.levels),
-                         cell.window.levels)};
-  heap_.limit_to(0);
-  std::vector<std::uint64_t> pairs(std::size_t(1) << 3 * (cell.window.levels - units.level));
-  if (cell.input.triangle_count != 0)
-    pairs = pairs_by_unit(heap_, cell.input, cell.window, units.level, out.cell_stats);
+/// Returns the smallest units of a cell.
+CellBake::Units CellBake::min_units(const Cell& cell, CellStats& stats) {
+  const int levels = cell.window.levels;
+  Units units{std::clamp(levels - levels_above_units, std::min(min_unit_level, levels), levels), true};
+  std::vector<std::uint64_t> pairs(std::size_t(1) << 3 * (levels - units.level));
+  if (cell.input.triangle_count != 0) pairs = pairs_by_unit(heap_, cell.input, cell.window, units.level, stats);
   const LevelEdits* edits = cell.parameters.edits;
   for (std::uint64_t u = 0; u < pairs.size(); ++u)
     units.push_back(pairs[u],
                     edits == nullptr ? 0 : edits->filled_voxels(u << 3 * units.level, (u + 1) << 3 * units.level));
-  bake_units(cell, units, 0, pairs.size(), out);
+  return units;
+}
+
+/// Bakes the levels up to that of the units on the device, part by part. Computes the coarser levels, which are small,
+/// on the host. Larger units leave fewer levels to the host. They are used if parts of other cells show that they fit.
+void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
+  heap_.limit_to(0);
+  const Units min_size = min_units(cell, out.cell_stats);
+  Units units = min_size;
+  const double max_contents = unit_share * contents_per_byte_ * double(cell.limit);
+  while (units.level < cell.window.levels) {
+    Units larger = units.merged();
+    if (double(larger.max_contents()) > max_contents) break;
+    units = std::move(larger);
+  }
+  const CellStats stats = out.cell_stats;
+  if (!bake_units(cell, units, 0, units.size(), out)) {
+    contents_per_byte_ = 0;
+    out.cell_stats = stats;
+    out.host_levels = {};
+    out.host_hashes = {};
+    out.host_surface = {};
+    bake_units(cell, min_size, 0, min_size.size(), out);
+  }
   if (out.host_levels.empty()) return;
   std::size_t lod = out.host_levels.size();
   add_coarser_levels(out.host_levels, out.host_surface, cell.window.levels + 1, cell.parameters.mip,
@@ -222,18 +269,23 @@ void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
     out.host_hashes.push_back(level_hash(out.host_levels[lod], int(lod), out.window_min, host_));
 }
 
-/// Bakes a range of units; splits it into halves if it does not fit.
-void CellBake::bake_units(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out) {
-  if (units.contents(first, end) == 0 || bake_part(cell, units, first, end, out)) return;
+/// Bakes a range of units; splits it into halves if it does not fit, or if no part of about its contents has fitted.
+/// Returns false if a unit does not fit that can be split.
+bool CellBake::bake_units(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out) {
+  const std::uint64_t contents = units.contents(first, end);
+  if (contents == 0) return true;
+  const double max_fitted = contents_per_byte_ * double(cell.limit);
+  const bool may_fit = end - first == 1 || max_fitted == 0 || double(contents) <= retried_share * max_fitted;
+  if (may_fit && bake_part(cell, units, first, end, out)) return true;
+  if (end - first == 1) return false;
   const std::size_t middle = units.middle(first, end);
-  bake_units(cell, units, first, middle, out);
-  bake_units(cell, units, middle, end, out);
+  return bake_units(cell, units, first, middle, out) && bake_units(cell, units, middle, end, out);
 }
 
 /// Bakes the units [first, end) as one part. Returns false and changes nothing if the part does not fit the limit. A
-/// single unit has no limit; DeviceFull is thrown if it does not fit the device.
+/// single unit of the smallest size has no limit; DeviceFull is thrown if it does not fit the device.
 bool CellBake::bake_part(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out) {
-  const bool is_min_size = end - first == 1;
+  const bool is_min_size = units.is_min_size && end - first == 1;
   heap_.limit_to(is_min_size ? 0 : cell.limit);
   try {
     CellStats stats;
@@ -241,10 +293,12 @@ bool CellBake::bake_part(const Cell& cell, const Units& units, std::size_t first
     capacity.pairs = std::max<std::uint64_t>(units.pairs(first, end), 1);
     const KeyRange keys{std::uint32_t(first << 3 * units.level), std::uint32_t(end << 3 * units.level)};
     const LevelsAbove part = levels_of(cell, keys, units.level + 1, capacity, stats);
-    if (!part.levels.empty()) take_part(part, out);
+    if (!part.levels.empty()) take_part(part, double(units.contents(0, end)) / double(units.contents()), out);
     out.cell_stats.pairs += stats.pairs;
     out.cell_stats.fragments += stats.fragments;
     count_batch(out.cell_stats);
+    if (!is_min_size && cell.limit != 0)
+      contents_per_byte_ = std::max(contents_per_byte_, double(units.contents(first, end)) / double(cell.limit));
     return true;
   } catch (const DeviceFull&) {
     if (is_min_size) throw;
@@ -252,18 +306,18 @@ bool CellBake::bake_part(const Cell& cell, const Units& units, std::size_t first
   }
 }
 
-void CellBake::take_part(const LevelsAbove& device, BakedCell& out) {
-  const std::vector<DeviceLevel>& levels = device.levels;
-  const std::vector<Hash128> hashes = level_hashes(heap_, levels, out.window_min);
-  const CellVolume part = to_host(heap_.stream(), pinned_, levels, DeviceNodes{}, host_);
-  append(device.rasters, out.host_surface.rasters);
-  append(device.patches, out.host_surface.patches);
-  out.host_levels.resize(levels.size());
-  out.host_hashes.resize(levels.size());
-  for (std::size_t l = 0; l < levels.size(); ++l) {
-    append(out.host_levels[l], part.levels[l]);
+/// Appends a part to the levels on the host. `done` is the share of the cell that is baked with this part.
+void CellBake::take_part(const LevelsAbove& part, double done, BakedCell& out) {
+  const std::vector<Hash128> hashes = level_hashes(heap_, part.levels, out.window_min);
+  out.host_levels.resize(part.levels.size());
+  out.host_hashes.resize(part.levels.size());
+  for (std::size_t l = 0; l < part.levels.size(); ++l) {
+    reserve(out.host_levels[l], part.levels[l], done);
     out.host_hashes[l] += hashes[l];
   }
+  append_to_host(heap_.stream(), pinned_, part.levels, host_, out.host_levels);
+  append(part.rasters, out.host_surface.rasters);
+  append(part.patches, out.host_surface.patches);
 }
 
 }  // namespace gigabake::kernels

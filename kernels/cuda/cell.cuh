@@ -56,9 +56,10 @@ class CellBake {
   DownsampleState source_of(const LevelsAbove& all, int lod, MipFilter filter);
   bool bake_at_once(const Cell& cell, BakedCell& out);
   void bake_in_parts(const Cell& cell, BakedCell& out);
-  void bake_units(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out);
+  Units min_units(const Cell& cell, CellStats& stats);
+  bool bake_units(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out);
   bool bake_part(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out);
-  void take_part(const LevelsAbove& part, BakedCell& out);
+  void take_part(const LevelsAbove& part, double done, BakedCell& out);
   void count_batch(CellStats& total) const;
 
   DeviceHeap& heap_;
@@ -67,6 +68,7 @@ class CellBake {
   BinCapacity bin_capacity_;
   FillRatios fill_ratios_;
   double output_per_triangle_ = 50;  ///< bytes
+  double contents_per_byte_ = 0;     ///< max contents of a part that fitted, per byte of its limit; 0: none yet
   PinnedBuffer pinned_;
   ThreadPool host_;
 };

@@ -10,25 +10,29 @@ namespace {
 
 constexpr std::size_t alignment = 64;
 
-/// Collection of arrays to download. run() copies all of them to one buffer and fills the host's arrays from it.
+/// Collection of arrays to download. run() copies all of them to one buffer and appends them to the host's arrays.
 class Download {
  public:
-  /// Adds the first `count` elements of an array. The host reads the copied bytes as elements of type Unit. It assigns
+  /// Adds the first `count` elements of an array. The host reads the copied bytes as elements of type Unit. It appends
   /// them to `to`, whose elements are Units or wider integers.
   template <class Unit, class T, class To>
   void add_as(const DeviceArray<T>& from, std::size_t count, std::vector<To>& to) {
-    const std::size_t at = bytes_, size = count * sizeof(T);
-    bytes_ += (size + alignment - 1) / alignment * alignment;
-    copies_.push_back({from.data(), at, size});
-    fills_.push_back([at, size, &to](const std::byte* buffer) {
-      const Unit* values = reinterpret_cast<const Unit*>(buffer + at);
-      to.assign(values, values + size / sizeof(Unit));
-    });
+    fill<Unit>(from, count, [&to](const Unit* begin, const Unit* end) { to.insert(to.end(), begin, end); });
   }
 
   template <class T, class To>
   void add(const DeviceArray<T>& from, std::size_t count, std::vector<To>& to) {
     add_as<T>(from, count, to);
+  }
+
+  /// Adds the offsets of a level's bricks. They are offset by the voxels that `to` already has.
+  template <class T>
+  void add_first(const DeviceArray<T>& from, std::size_t bricks, std::vector<std::uint64_t>& to) {
+    fill<T>(from, bricks + 1, [&to](const T* begin, const T* end) {
+      if (to.empty()) to.push_back(0);
+      const std::uint64_t before = to.back();
+      for (const T* first = begin + 1; first < end; ++first) to.push_back(before + *first);
+    });
   }
 
   void run(cudaStream_t stream, PinnedBuffer& pinned, const ThreadPool& pool) const {
@@ -41,6 +45,18 @@ class Download {
   }
 
  private:
+  /// Adds a copy of an array, which `append` then adds to the host's array.
+  template <class Unit, class T, class Append>
+  void fill(const DeviceArray<T>& from, std::size_t count, Append append) {
+    const std::size_t at = bytes_, size = count * sizeof(T);
+    bytes_ += (size + alignment - 1) / alignment * alignment;
+    copies_.push_back({from.data(), at, size});
+    fills_.push_back([at, size, append](const std::byte* buffer) {
+      const Unit* values = reinterpret_cast<const Unit*>(buffer + at);
+      append(values, values + size / sizeof(Unit));
+    });
+  }
+
   struct Copy {
     const void* from;
     std::size_t at, bytes;
@@ -58,7 +74,7 @@ void add(Download& download, const DeviceLevel& d, Level& level) {
                  level.directional_coverage);
   download.add(d.mask, 8 * std::size_t(d.bricks), level.mask);
   download.add(d.key, d.bricks, level.key);
-  download.add(d.first, std::size_t(d.bricks) + 1, level.first);
+  download.add_first(d.first, d.bricks, level.first);
 }
 
 void add(Download& download, const DeviceNodes& d, NodeTable& nodes) {
@@ -82,6 +98,13 @@ CellVolume to_host(cudaStream_t stream, PinnedBuffer& pinned, std::span<const De
   out.nodes.has_finest_planes = !levels.empty() && !levels[0].directional_coverage.empty();
   download.run(stream, pinned, pool);
   return out;
+}
+
+void append_to_host(cudaStream_t stream, PinnedBuffer& pinned, std::span<const DeviceLevel> levels,
+                    const ThreadPool& pool, std::span<Level> out) {
+  Download download;
+  for (std::size_t lod = 0; lod < levels.size(); ++lod) add(download, levels[lod], out[lod]);
+  download.run(stream, pinned, pool);
 }
 
 }  // namespace gigabake::kernels

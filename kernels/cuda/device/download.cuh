@@ -20,4 +20,10 @@ inline constexpr int download_threads = 3;
 CellVolume to_host(cudaStream_t stream, PinnedBuffer& pinned, std::span<const DeviceLevel> levels,
                    const DeviceNodes& nodes, const ThreadPool& pool);
 
+/// Appends the bricks of the levels of a part to the levels [lod] of the parts before it.
+/// Cost    One copy on the host, out of `pinned`, if `out` has capacity for the part.
+/// Errors  CudaFailure.
+void append_to_host(cudaStream_t stream, PinnedBuffer& pinned, std::span<const DeviceLevel> levels,
+                    const ThreadPool& pool, std::span<Level> out);
+
 }  // namespace gigabake::kernels
