@@ -21,10 +21,10 @@ struct SlotVoxels {
 struct CastBrick {
   CastHead head = {};
   std::uint32_t part_count = 0;                        ///< number of parts in the pool; 0 if the brick has no voxel
+  std::int32_t lod = 0;                                ///< level of the voxels of `runs`
   std::vector<PackedVoxel> parts;                      ///< all parts, or only the layers if there are runs
   std::vector<VoxelRun> runs;                          ///< the voxels, if they are copied from pages
   std::array<PooledPage, max_brick_pages> pages = {};  ///< of `runs`
-  std::int32_t lod = 0;                                ///< level of the voxels of `runs`
 };
 
 /// Packs a slot; replaces the contents of `brick`.

@@ -98,19 +98,19 @@ void BrickPool::show_in(CastScene& scene) const {
   scene.voxels = voxels_.data();
 }
 
-void BrickPool::put(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks,
+void BrickPool::put(const std::vector<BrickPlace>& places, const std::vector<std::unique_ptr<CastBrick>>& bricks,
                     const DevicePagePool& pages) {
   const std::size_t count = places.size();
   std::vector<std::uint32_t> first{0}, first_run{0};
   for (std::size_t i = 0; i < count; ++i) {
-    first.push_back(first.back() + std::uint32_t(bricks[i].parts.size()));
-    first_run.push_back(first_run.back() + std::uint32_t(bricks[i].runs.size()));
+    first.push_back(first.back() + std::uint32_t(bricks[i]->parts.size()));
+    first_run.push_back(first_run.back() + std::uint32_t(bricks[i]->runs.size()));
   }
   const NewBricks sections(count, first_run.back(), first.back());
   std::byte* const buffer = uploads_.reserve(sections.bytes());
   pool_.parallel_for(count, bricks_per_range, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
-      const CastBrick& brick = bricks[i];
+      const CastBrick& brick = *bricks[i];
       sections.moves(buffer)[i] = {places[i].slot, first[i], places[i].first, first[i + 1] - first[i]};
       sections.heads(buffer)[i] = brick.head;
       NewRuns& own = sections.runs_of(buffer)[i];

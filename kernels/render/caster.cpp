@@ -40,15 +40,16 @@ class CpuCaster final : public Caster {
 
   void put_pages(const std::vector<PageUpload>& pages) override { pages_.put(pages, pool_); }
 
-  void put_bricks(const std::vector<BrickPlace>& places, const std::vector<CastBrick>& bricks) override {
+  void put_bricks(const std::vector<BrickPlace>& places,
+                  const std::vector<std::unique_ptr<CastBrick>>& bricks) override {
     // The first write to a part of the pool also makes the system allocate its memory, so all threads write.
     pool_.parallel_for(places.size(), copies_per_range, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t i = begin; i < end; ++i) {
         CastHead& head = heads_[places[i].slot];
-        head = bricks[i].head;
+        head = bricks[i]->head;
         head.first = places[i].first;
-        std::copy(bricks[i].parts.begin(), bricks[i].parts.end(), voxels_.get() + places[i].first);
-        copy_pooled_runs(shading_, pages_.voxels(), bricks[i], voxels_.get() + places[i].first);
+        std::copy(bricks[i]->parts.begin(), bricks[i]->parts.end(), voxels_.get() + places[i].first);
+        copy_pooled_runs(shading_, pages_.voxels(), *bricks[i], voxels_.get() + places[i].first);
       }
     });
   }

@@ -68,6 +68,46 @@ TEST_P(CpuPolicyTest, RunsEveryIndexOfSeveralCallersLoops) {
   EXPECT_EQ(sum, 3u * 200u * 50u);
 }
 
+TEST_P(CpuPolicyTest, RunsAStartedLoopWhileTheCallerRunsOthers) {
+  const ThreadPool pool(GetParam());
+  for (const std::size_t count : {0u, 1u, 7u, 1000u}) {
+    std::vector<std::atomic<int>> visits(count);
+    std::atomic<std::size_t> others{0};
+    ThreadPool::Running running = pool.start(count, 3, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t i = begin; i < end; ++i) ++visits[i];
+    });
+    for (int loop = 0; loop < 20; ++loop)
+      pool.parallel_for(50, 4, [&](std::size_t begin, std::size_t end, int) { others += end - begin; });
+    running.finish();
+    EXPECT_EQ(others, 20u * 50u);
+    for (const auto& v : visits) ASSERT_EQ(v, 1) << "count " << count;
+  }
+}
+
+/// The threads do not use the data of a dropped loop afterwards. The sanitizers check this.
+TEST_P(CpuPolicyTest, EndsTheBodiesOfALoopThatIsDropped) {
+  const ThreadPool pool(GetParam());
+  for (int round = 0; round < 200; ++round) {
+    std::vector<int> visits(100);
+    {
+      const ThreadPool::Running running =
+          pool.start(visits.size(), 1, [&](std::size_t begin, std::size_t, int) { ++visits[begin]; });
+    }
+    for (const int v : visits) ASSERT_LE(v, 1);
+  }
+}
+
+TEST_P(CpuPolicyTest, RethrowsTheExceptionOfAStartedLoopWhenItIsFinished) {
+  const ThreadPool pool(GetParam());
+  ThreadPool::Running running = pool.start(100, 1, [](std::size_t begin, std::size_t, int) {
+    if (begin == 50) throw std::runtime_error("range");
+  });
+  EXPECT_THROW(running.finish(), std::runtime_error);
+  std::atomic<int> ran{0};
+  pool.parallel_for(100, 1, [&](std::size_t, std::size_t, int) { ++ran; });
+  EXPECT_EQ(ran, 100);
+}
+
 /// Each body waits for a body of the other loop. If the two loops ran one after the other, neither would end.
 TEST(ThreadPool, RunsTheLoopsOfTwoCallersAtOnce) {
   const ThreadPool pool(2);

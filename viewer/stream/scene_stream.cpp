@@ -13,8 +13,6 @@ namespace {
 
 using kernels::RequestKind;
 
-/// The max number of answers of one prepare(). A GPU casts a frame in less time than they take.
-constexpr std::size_t max_prepared = 32768;
 /// The number of answers that are entered before the clock is checked.
 constexpr std::size_t answers_per_check = 64;
 constexpr std::uint32_t min_slots = 16;
@@ -175,23 +173,23 @@ void SceneStream::prepare(const std::vector<std::uint32_t>& requested, const Vec
 /// of that batch for serve().
 void SceneStream::answer_ahead(const std::vector<std::uint32_t>& requested, const Vec3d& eye) {
   pager_.begin_pass();
-  answers_.begin_pass(requested, pending_roots_, eye);
+  answers_.begin_pass(requested, pending_roots_, eye, &stops_preparing_);
   NewData data;
-  std::future<void> copy;  // of `data`, while the next requests are answered
+  std::future<std::uint64_t> copy;  // of `data`, while the next requests are answered
   const auto end_copy = [&] {
     if (!copy.valid()) return;
-    copy.get();
+    put_bytes_ += copy.get();
     answers_.reuse(std::move(data.bricks));
   };
-  while (answers_.has_next() && prepared_.empty() && prepared_work_.answers < max_prepared) {
-    const std::span<RequestAnswer> batch =
-        answers_.next_batch(prepared_work_.answers > 0 ? &stops_preparing_ : nullptr);
+  while (answers_.has_next() && prepared_.empty()) {
+    const std::span<RequestAnswer> batch = answers_.next_batch(!stops_preparing_);
     std::ranges::move(batch.subspan(enter_without_evictions(batch)), std::back_inserter(prepared_));
     end_copy();
     data = take_new_data();
-    copy = std::async(std::launch::async, [&] { put(data); });
-    if (stops_preparing_) break;
+    copy = std::async(std::launch::async, [&] { return put(data); });
+    if (stops_preparing_ && !answers_.has_begun_next()) break;
   }
+  answers_.end_pass();
   end_copy();
   if (prepared_.empty()) pooled_pages_.release();
   request_missing_pages();
@@ -230,7 +228,7 @@ bool SceneStream::enter(RequestAnswer& answer) {
   } else if (answer.is_empty) {
     allocator_.set_empty(node);
   } else {
-    const std::optional<std::uint32_t> slot = allocator_.put_brick(node, answer.brick.part_count, *caster_);
+    const std::optional<std::uint32_t> slot = allocator_.put_brick(node, answer.brick->part_count, *caster_);
     if (!slot) return false;
     new_slots_.push_back(*slot);
     new_bricks_.push_back(std::move(answer.brick));
@@ -243,7 +241,7 @@ std::size_t SceneStream::enter_without_evictions(std::span<RequestAnswer> answer
   std::size_t taken = 0;
   for (RequestAnswer& answer : answers) {
     if (!answer.is_missing && !answers_.is_fulfilled(answer.request)) {
-      if (!allocator_.has_room(answer.brick.part_count)) break;
+      if (!allocator_.has_room(answer.brick->part_count)) break;
       enter(answer);
       ++prepared_work_.uploads;
     }
@@ -276,24 +274,26 @@ std::size_t SceneStream::enter_some(std::span<RequestAnswer> answers, std::uint3
 /// Returns the pages and bricks that were added since the last call.
 SceneStream::NewData SceneStream::take_new_data() {
   NewData data{pooled_pages_.take_new_pages(), {}, std::exchange(new_bricks_, {})};
-  for (const kernels::PageUpload& page : data.pages) put_bytes_ += page_pool_size_.bytes_per_voxel() * page.count;
   for (const std::uint32_t slot : new_slots_) data.places.push_back(allocator_.brick_place(slot));
-  for (const kernels::CastBrick& brick : data.bricks)
-    put_bytes_ += sizeof(brick.head) + sizeof(kernels::PackedVoxel) * brick.parts.size() +
-                  sizeof(kernels::VoxelRun) * brick.runs.size();
   new_slots_.clear();
   return data;
 }
 
-/// Copies new data to the caster.
-void SceneStream::put(const NewData& data) {
+/// Copies new data to the caster. Returns the number of copied bytes.
+std::uint64_t SceneStream::put(const NewData& data) {
   caster_->put_pages(data.pages);
   caster_->put_bricks(data.places, data.bricks);
+  std::uint64_t bytes = 0;
+  for (const kernels::PageUpload& page : data.pages) bytes += page_pool_size_.bytes_per_voxel() * page.count;
+  for (const auto& brick : data.bricks)
+    bytes += sizeof(brick->head) + sizeof(kernels::PackedVoxel) * brick->parts.size() +
+             sizeof(kernels::VoxelRun) * brick->runs.size();
+  return bytes;
 }
 
 void SceneStream::put_new_bricks() {
   NewData data = take_new_data();
-  put(data);
+  put_bytes_ += put(data);
   answers_.reuse(std::move(data.bricks));
   if (prepared_.empty()) pooled_pages_.release();
 }
@@ -323,9 +323,10 @@ SceneStream::Served SceneStream::serve(const std::vector<std::uint32_t>& request
   if (!was_prepared && prepared_.empty() && !is_over()) {
     answers_.begin_pass(requested, pending_roots_, eye);
     while (answers_.has_next() && !served.is_full) {
-      enter_some(answers_.next_batch(), round_before, {}, served);
+      enter_some(answers_.next_batch(!enough), round_before, {}, served);
       if (is_over()) break;
     }
+    answers_.end_pass();
   }
   put_changed_nodes();
   pool_bytes_held_ = allocator_.in_use().bytes() + pooled_pages_.bytes_used();

@@ -13,14 +13,15 @@ struct FloorOfLod1 : OneCell {
   FloorOfLod1() : OneCell(4, 2) { scene.min[2] = 13; }
 
   void put_in(Caster& caster) const {
-    CastBrick brick;
+    std::vector<std::unique_ptr<CastBrick>> bricks;
+    bricks.push_back(std::make_unique<CastBrick>());
     SlotVoxels slot;
     for (int at = 0; at < slot_edge * slot_edge; ++at) {
       slot.row[4][at / slot_edge] = (1u << slot_edge) - 1;
       slot.voxel[4 * slot_edge * slot_edge + at] = pack_voxel({{32768, 32768, 32768, 65535, 65535, 65535}, {}, 0});
     }
-    pack_brick(slot, brick);
-    caster.put_bricks({{0, 0}}, {brick});
+    pack_brick(slot, *bricks[0]);
+    caster.put_bricks({{0, 0}}, bricks);
     std::vector<NodeChange> changes{{0, {1, 0}}};
     for (std::uint32_t child = 8; child < 16; ++child) changes.push_back({child, {empty_ref, empty_ref}});
     caster.put_nodes(changes);

@@ -123,7 +123,7 @@ void SceneExchange::enter_brick(Prepared& item, kernels::Caster& caster) {
   const auto slot = allocator_.put_brick(item.node, item.brick.part_count, caster);
   if (!slot) return;  // the pool is full; the brick will be requested
   new_slots_.push_back(*slot);
-  new_bricks_.push_back(std::move(item.brick));
+  new_bricks_.push_back(std::make_unique<kernels::CastBrick>(std::move(item.brick)));
 }
 
 void SceneExchange::enter(Prepared& item, kernels::Caster& caster) {

@@ -11,10 +11,11 @@ namespace gigabake {
 namespace {
 
 using kernels::RequestKind;
+using Bricks = std::vector<std::unique_ptr<kernels::CastBrick>>;
 
 /// The number of requests that are answered in parallel before the clock is checked and the pools are filled. It is
 /// large enough to outweigh the start of the threads, and small enough to take less than 2 ms.
-constexpr std::size_t requests_per_thread = 256;
+constexpr std::size_t requests_per_thread = 128, min_batch = 512;
 /// The maximum number of requests answered per pass, the most urgent first.
 constexpr std::size_t max_requests = 32768;
 /// The number of waiting requests that are answered again in each pass if pages may be evicted. Otherwise the pages
@@ -29,10 +30,10 @@ void reset(RequestAnswer& answer, MissingPages& missing_pages) {
   answer.is_missing = answer.is_damaged = answer.is_empty = false;
   answer.children = {};
   answer.pages = {};
-  answer.brick.head = {};
-  answer.brick.part_count = 0;
-  answer.brick.parts.clear();
-  answer.brick.runs.clear();
+  answer.brick->head = {};
+  answer.brick->part_count = 0;
+  answer.brick->parts.clear();
+  answer.brick->runs.clear();
   missing_pages.missing.clear();
   missing_pages.damaged = missing_pages.is_overview_damaged = false;
 }
@@ -41,9 +42,9 @@ void reset(RequestAnswer& answer, MissingPages& missing_pages) {
 constexpr std::uint64_t no_rank = ~std::uint64_t(0);
 
 /// Returns a sort key; the most urgent request has the smallest key. The bits of positive floats have the order of
-/// their values.
-std::uint64_t ranked_request(double urgency, std::uint32_t request) {
-  return std::uint64_t(~std::bit_cast<std::uint32_t>(float(urgency))) << 32 | request;
+/// their values. `place` identifies the request.
+std::uint64_t ranked_request(double urgency, std::size_t place) {
+  return std::uint64_t(~std::bit_cast<std::uint32_t>(float(urgency))) << 32 | std::uint32_t(place);
 }
 
 /// Sorts the ranks by their urgency to 1/8 of its value. Removes no_rank and all but the first `max_count` ranks.
@@ -61,6 +62,13 @@ void keep_first(std::vector<std::uint64_t>& ranks, std::size_t max_count) {
     if (rank >> ignored_bits < end && rank != no_rank) sorted[place[rank >> ignored_bits]++] = rank;
   sorted.resize(std::min(sorted.size(), max_count));
   ranks = std::move(sorted);
+}
+
+/// Adds as many of the bricks as a pass can use.
+void add_spare(Bricks& spare, Bricks bricks) {
+  if (bricks.size() > spare.size()) std::swap(bricks, spare);
+  const std::size_t count = std::min(bricks.size(), max_requests - std::min(max_requests, spare.size()));
+  std::move(bricks.begin(), bricks.begin() + std::ptrdiff_t(count), std::back_inserter(spare));
 }
 
 }  // namespace
@@ -87,8 +95,8 @@ bool RequestAnswers::is_open(std::uint32_t request) const {
 }
 
 /// Returns the squared apparent size of the node: near and coarse nodes cover the most pixels.
-double RequestAnswers::urgency(std::uint32_t request, const Vec3d& eye) const {
-  const kernels::VoxelBox box = box_of(allocator_.place_of(NodeRequest(request).node), layout_);
+double RequestAnswers::urgency(const FieldNode& node, const Vec3d& eye) const {
+  const kernels::VoxelBox box = box_of(node, layout_);
   double squared = 1;
   for (int a = 0; a < 3; ++a) {
     const double to_middle = (double(box.min[a]) + double(box.max[a])) / 2 - eye[a];
@@ -99,20 +107,25 @@ double RequestAnswers::urgency(std::uint32_t request, const Vec3d& eye) const {
 }
 
 void RequestAnswers::begin_pass(std::span<const std::uint32_t> requested, std::span<const std::uint32_t> roots,
-                                const Vec3d& eye) {
+                                const Vec3d& eye, const std::atomic<bool>* stop) {
+  end_pass();
+  stop_ = stop;
   waiting_.begin_pass(pager_);
   caches_.assign(std::size_t(policy_.threads()), {});
   const std::size_t count = requested.size() + roots.size();
   const bool repeats = pager_.may_evict();
   std::vector<std::uint64_t> waiting(repeats ? count : 0, no_rank);
   ranks_.assign(count, no_rank);
+  wanted_.resize(count);
   next_ = 0;
   policy_.parallel_for(count, 2048, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       const bool is_seen = i < requested.size();
       const std::uint32_t request = is_seen ? requested[i] : roots[i - requested.size()];
       if (!is_open(request)) continue;
-      const std::uint64_t rank = ranked_request(urgency(request, eye) * (is_seen ? 1 : unseen_root), request);
+      const FieldNode node = allocator_.place_of(NodeRequest(request).node);
+      wanted_[i] = {request, node};
+      const std::uint64_t rank = ranked_request(urgency(node, eye) * (is_seen ? 1 : unseen_root), i);
       if (!waiting_.waits(request, rank))
         ranks_[i] = rank;
       else if (repeats)
@@ -124,70 +137,85 @@ void RequestAnswers::begin_pass(std::span<const std::uint32_t> requested, std::s
   keep_first(ranks_, max_requests);
 }
 
-/// Sets the answer, which was reset, or the pages that it lacks. The request may have become obsolete since then.
-void RequestAnswers::answer(RequestAnswer& answer, LookupCache& cache, MissingPages& missing_pages) const {
-  answer.is_missing = !is_open(answer.request);
-  if (answer.is_missing) return;
-  const NodeRequest wanted(answer.request);
-  const FieldNode node = allocator_.place_of(wanted.node);
+/// Sets the answer, which was reset, or the pages that it lacks.
+void RequestAnswers::answer(RequestAnswer& answer, const FieldNode& node, LookupCache& cache,
+                            MissingPages& missing_pages) const {
   missing_pages.own = box_of(node, layout_);
   missing_pages.found = &cache.pages;
-  if (wanted.kind == RequestKind::children)
+  if (NodeRequest(answer.request).kind == RequestKind::children)
     answer.children = children_of(node, layout_, lookup_, missing_pages);
   else
     answer.is_empty =
-        !fill_brick(node, layout_, lookup_, shading_, cache.path, missing_pages, answer.brick, answer.pages);
+        !fill_brick(node, layout_, lookup_, shading_, cache.path, missing_pages, *answer.brick, answer.pages);
   // If an overview is unreadable, an empty brick does not prove that finer levels are empty.
   answer.is_damaged = missing_pages.damaged || (answer.is_empty && missing_pages.is_overview_damaged);
   answer.is_missing = !missing_pages.missing.empty();
   sort_unique(missing_pages.missing);
   if (answer.is_missing)
-    answer.brick.runs.clear();
+    answer.brick->runs.clear();
   else if (!pooled_pages_.has_pool())
-    copy_runs(shading_, answer.pages, answer.brick);
+    copy_runs(shading_, answer.pages, *answer.brick);
 }
 
 /// Puts the pages of runs into the page pool. Copies the voxels of bricks whose pages are not put.
-void RequestAnswers::place_runs() {
-  for (const RequestAnswer& answer : batch_)
-    if (!answer.brick.runs.empty()) pooled_pages_.count_use(answer.pages);
+void RequestAnswers::place_runs(std::span<RequestAnswer> answers) {
+  for (const RequestAnswer& answer : answers)
+    if (!answer.brick->runs.empty()) pooled_pages_.count_use(answer.pages);
   std::vector<RequestAnswer*> rest;
-  for (RequestAnswer& answer : batch_)
-    if (!answer.brick.runs.empty() && !pooled_pages_.place(answer.pages, answer.brick)) rest.push_back(&answer);
+  for (RequestAnswer& answer : answers)
+    if (!answer.brick->runs.empty() && !pooled_pages_.place(answer.pages, *answer.brick)) rest.push_back(&answer);
   policy_.parallel_for(rest.size(), 8, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) copy_runs(shading_, rest[i]->pages, rest[i]->brick);
+    for (std::size_t i = begin; i < end; ++i) copy_runs(shading_, rest[i]->pages, *rest[i]->brick);
   });
 }
 
-void RequestAnswers::reuse(std::vector<kernels::CastBrick> bricks) {
-  if (bricks.size() > spare_.size()) std::swap(bricks, spare_);
-  const std::size_t count = std::min(bricks.size(), max_requests - std::min(max_requests, spare_.size()));
-  std::move(bricks.begin(), bricks.begin() + std::ptrdiff_t(count), std::back_inserter(spare_));
+void RequestAnswers::reuse(Bricks bricks) { add_spare(spare_, std::move(bricks)); }
+
+/// Answers request `i` of the batch, unless the pass is stopped.
+void RequestAnswers::answer(Batch& batch, std::size_t i, LookupCache& cache) const {
+  RequestAnswer& its_answer = batch.answers[i];
+  if (!its_answer.brick)
+    if (const std::size_t spare = ++batch.taken; spare <= batch.spare.size())
+      its_answer.brick = std::move(batch.spare[batch.spare.size() - spare]);
+  if (!its_answer.brick) its_answer.brick = std::make_unique<kernels::CastBrick>();
+  const Wanted& wanted = wanted_[std::uint32_t(ranks_[batch.first + i])];
+  its_answer.request = wanted.request;
+  reset(its_answer, batch.missing_pages[i]);
+  its_answer.is_missing = batch.first > 0 && stop_ != nullptr && *stop_;
+  if (!its_answer.is_missing) answer(its_answer, wanted.node, cache, batch.missing_pages[i]);
 }
 
-std::span<RequestAnswer> RequestAnswers::next_batch(const std::atomic<bool>* stop) {
-  const std::size_t count = std::min(ranks_.size() - next_, requests_per_thread * std::size_t(policy_.threads()));
-  batch_.resize(count);
-  missing_pages_.resize(count);
-  std::atomic<std::size_t> taken{0};  // of spare_, from its end
-  policy_.parallel_for(count, 8, [&](std::size_t begin, std::size_t end, int thread) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (batch_[i].brick.parts.capacity() == 0)
-        if (const std::size_t spare = ++taken; spare <= spare_.size())
-          batch_[i].brick = std::move(spare_[spare_.size() - spare]);
-      batch_[i].request = std::uint32_t(ranks_[next_ + i]);
-      reset(batch_[i], missing_pages_[i]);
-      batch_[i].is_missing = stop != nullptr && *stop;
-      if (!batch_[i].is_missing) answer(batch_[i], caches_[std::size_t(thread)], missing_pages_[i]);
-    }
-  });
-  spare_.resize(spare_.size() - std::min(taken.load(), spare_.size()));
-  if (pooled_pages_.has_pool()) place_runs();
-  for (std::size_t i = 0; i < count; ++i)
-    if (!missing_pages_[i].missing.empty())
-      waiting_.add(batch_[i].request, ranks_[next_ + i], missing_pages_[i].missing);
-  next_ += count;
-  return batch_;
+/// Begins the batch from next_ on, in place of the oldest one.
+void RequestAnswers::begin_batch() {
+  latest_ = (latest_ + 1) % batches_.size();
+  Batch& batch = batches_[latest_];
+  batch.first = next_;
+  const std::size_t max_count = std::max(min_batch, requests_per_thread * std::size_t(policy_.threads()));
+  batch.count = std::min(ranks_.size() - next_, max_count);
+  batch.answers.resize(std::max(batch.answers.size(), batch.count));
+  batch.missing_pages.resize(batch.answers.size());
+  batch.spare.resize(batch.spare.size() - std::min(batch.taken.exchange(0), batch.spare.size()));
+  add_spare(batch.spare, std::exchange(spare_, {}));
+  running_.emplace(policy_.start(batch.count, 8, [this, &batch](std::size_t begin, std::size_t end, int thread) {
+    for (std::size_t i = begin; i < end; ++i) answer(batch, i, caches_[std::size_t(thread)]);
+  }));
 }
+
+std::span<RequestAnswer> RequestAnswers::next_batch(bool works_ahead) {
+  if (!running_) begin_batch();
+  running_->finish();
+  running_.reset();
+  Batch& batch = batches_[latest_];
+  next_ += batch.count;
+  if (works_ahead && has_next()) begin_batch();
+  const std::span<RequestAnswer> answers(batch.answers.data(), batch.count);
+  if (pooled_pages_.has_pool()) place_runs(answers);
+  for (std::size_t i = 0; i < answers.size(); ++i)
+    if (answers[i].is_missing && !batch.missing_pages[i].missing.empty())
+      waiting_.add(answers[i].request, ranks_[batch.first + i], batch.missing_pages[i].missing);
+  return answers;
+}
+
+void RequestAnswers::end_pass() { running_.reset(); }
 
 }  // namespace gigabake
