@@ -21,20 +21,21 @@ constexpr int levels_above_units = 5, min_unit_level = 2;
 constexpr double unit_share = 0.25;  ///< max contents of a larger unit, as a multiple of the max contents that fitted
 constexpr double live_share = 1.2;   ///< intended live bytes, as a multiple of the expected bytes of input and output
 constexpr double growth_share = 1.125;  ///< capacity of the arrays of parts, as a multiple of the expected size
-constexpr double retried_share =
-    1.5;  ///< max contents that are tried at once, as a multiple of the max contents that fitted
+constexpr double max_growth = 8;        ///< max capacity of these arrays, as a multiple of the size
+constexpr double retried_share = 1.5;   ///< max contents that are tried, as a multiple of the max contents that fitted
 
 std::uint64_t limit_of(std::uint64_t memory_bytes, std::uint64_t input_bytes) {
   if (memory_bytes == 0) return 0;
   return std::max({memory_bytes - std::min(memory_bytes, input_bytes), memory_bytes / 4, std::uint64_t(1)});
 }
 
-/// Reserves capacity for `more` elements. An array that must grow gets capacity for the expected size of the cell.
-/// `done` is the share of the cell, in (0, 1], that is baked when the elements have been appended.
+/// Reserves capacity for `more` elements. An array that must grow gets capacity for the expected size of the cell, but
+/// parts differ, so the estimate is bounded. `done` is the share of the cell, in (0, 1], that is baked with these
+/// elements.
 template <class T>
 void reserve(std::vector<T>& array, std::uint64_t more, double done) {
   const std::uint64_t size = array.size() + more;
-  if (size > array.capacity()) array.reserve(std::size_t(growth_share * double(size) / done));
+  if (size > array.capacity()) array.reserve(std::size_t(double(size) * std::min(growth_share / done, max_growth)));
 }
 
 void reserve(Level& to, const DeviceLevel& from, double done) {
@@ -270,7 +271,7 @@ void CellBake::bake_in_parts(const Cell& cell, BakedCell& out) {
 }
 
 /// Bakes a range of units; splits it into halves if it does not fit, or if no part of about its contents has fitted.
-/// Returns false if a unit does not fit that can be split.
+/// Returns false if a unit that can be split does not fit.
 bool CellBake::bake_units(const Cell& cell, const Units& units, std::size_t first, std::size_t end, BakedCell& out) {
   const std::uint64_t contents = units.contents(first, end);
   if (contents == 0) return true;

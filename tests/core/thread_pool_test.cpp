@@ -11,9 +11,9 @@
 namespace gigabake::kernels {
 namespace {
 
-class CpuPolicyTest : public testing::TestWithParam<int> {};
+class ThreadPoolTest : public testing::TestWithParam<int> {};
 
-TEST_P(CpuPolicyTest, RunsEveryIndexExactlyOnceInRangesOfAtMostTheGrain) {
+TEST_P(ThreadPoolTest, RunsEveryIndexExactlyOnceInRangesOfAtMostTheGrain) {
   const ThreadPool pool(GetParam());
   for (const std::size_t count : {0u, 1u, 7u, 64u, 1000u})
     for (const std::size_t grain : {0u, 1u, 3u, 64u, 5000u}) {
@@ -29,7 +29,7 @@ TEST_P(CpuPolicyTest, RunsEveryIndexExactlyOnceInRangesOfAtMostTheGrain) {
     }
 }
 
-TEST_P(CpuPolicyTest, RethrowsABodysExceptionAndStaysUsable) {
+TEST_P(ThreadPoolTest, RethrowsABodysExceptionAndStaysUsable) {
   const ThreadPool pool(GetParam());
   for (int round = 0; round < 50; ++round) {
     EXPECT_THROW(pool.parallel_for(100, 1,
@@ -43,7 +43,7 @@ TEST_P(CpuPolicyTest, RethrowsABodysExceptionAndStaysUsable) {
   }
 }
 
-TEST_P(CpuPolicyTest, NeverRunsTwoRangesOfOneThreadIndexAtOnce) {
+TEST_P(ThreadPoolTest, NeverRunsTwoRangesOfOneThreadIndexAtOnce) {
   const ThreadPool pool(GetParam());
   std::vector<std::atomic<int>> busy(std::size_t(pool.threads()));
   std::atomic<bool> clashed{false};
@@ -55,7 +55,7 @@ TEST_P(CpuPolicyTest, NeverRunsTwoRangesOfOneThreadIndexAtOnce) {
   EXPECT_FALSE(clashed);
 }
 
-TEST_P(CpuPolicyTest, RunsEveryIndexOfSeveralCallersLoops) {
+TEST_P(ThreadPoolTest, RunsEveryIndexOfSeveralCallersLoops) {
   const ThreadPool pool(GetParam());
   std::atomic<std::uint64_t> sum{0};
   std::vector<std::thread> callers;
@@ -68,7 +68,7 @@ TEST_P(CpuPolicyTest, RunsEveryIndexOfSeveralCallersLoops) {
   EXPECT_EQ(sum, 3u * 200u * 50u);
 }
 
-TEST_P(CpuPolicyTest, RunsAStartedLoopWhileTheCallerRunsOthers) {
+TEST_P(ThreadPoolTest, RunsAStartedLoopWhileTheCallerRunsOthers) {
   const ThreadPool pool(GetParam());
   for (const std::size_t count : {0u, 1u, 7u, 1000u}) {
     std::vector<std::atomic<int>> visits(count);
@@ -85,7 +85,7 @@ TEST_P(CpuPolicyTest, RunsAStartedLoopWhileTheCallerRunsOthers) {
 }
 
 /// The threads do not use the data of a dropped loop afterwards. The sanitizers check this.
-TEST_P(CpuPolicyTest, EndsTheBodiesOfALoopThatIsDropped) {
+TEST_P(ThreadPoolTest, EndsTheBodiesOfALoopThatIsDropped) {
   const ThreadPool pool(GetParam());
   for (int round = 0; round < 200; ++round) {
     std::vector<int> visits(100);
@@ -97,7 +97,7 @@ TEST_P(CpuPolicyTest, EndsTheBodiesOfALoopThatIsDropped) {
   }
 }
 
-TEST_P(CpuPolicyTest, RethrowsTheExceptionOfAStartedLoopWhenItIsFinished) {
+TEST_P(ThreadPoolTest, RethrowsTheExceptionOfAStartedLoopWhenItIsFinished) {
   const ThreadPool pool(GetParam());
   ThreadPool::Running running = pool.start(100, 1, [](std::size_t begin, std::size_t, int) {
     if (begin == 50) throw std::runtime_error("range");
@@ -128,7 +128,7 @@ TEST(ThreadPool, RunsTheLoopsOfTwoCallersAtOnce) {
   EXPECT_EQ(met[1], 8);
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, CpuPolicyTest, testing::Values(1, 2, 3, 8));
+INSTANTIATE_TEST_SUITE_P(Threads, ThreadPoolTest, testing::Values(1, 2, 3, 8));
 
 TEST(ThreadPool, RunsInTheCallersThreadWhenItHasOneThread) {
   const ThreadPool pool(1);
