@@ -185,9 +185,8 @@ void RequestAnswers::answer(Batch& batch, std::size_t i, LookupCache& cache) con
   if (!its_answer.is_missing) answer(its_answer, wanted.node, cache, batch.missing_pages[i]);
 }
 
-/// Begins the batch from next_ on, in place of the oldest one.
+/// Begins the batch from next_ on.
 void RequestAnswers::begin_batch() {
-  latest_ = (latest_ + 1) % batches_.size();
   Batch& batch = batches_[latest_];
   batch.first = next_;
   const std::size_t max_count = std::max(min_batch, requests_per_thread * std::size_t(policy_.threads()));
@@ -207,7 +206,10 @@ std::span<RequestAnswer> RequestAnswers::next_batch(bool works_ahead) {
   running_.reset();
   Batch& batch = batches_[latest_];
   next_ += batch.count;
-  if (works_ahead && has_next()) begin_batch();
+  if (works_ahead && has_next()) {
+    latest_ = 1 - latest_;
+    begin_batch();
+  }
   const std::span<RequestAnswer> answers(batch.answers.data(), batch.count);
   if (pooled_pages_.has_pool()) place_runs(answers);
   for (std::size_t i = 0; i < answers.size(); ++i)

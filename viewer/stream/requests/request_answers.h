@@ -108,7 +108,7 @@ class RequestAnswers {
   std::vector<std::uint64_t> ranks_;  ///< most urgent first
   std::vector<Wanted> wanted_;        ///< all requests of the pass, at the places that ranks_ name
   std::size_t next_ = 0;              ///< of ranks_, after the batches that next_batch() has returned
-  std::array<Batch, 2> batches_;      ///< the running or latest one, and the one before
+  std::array<Batch, 2> batches_;      ///< two if the caller works ahead, otherwise one
   std::size_t latest_ = 0;            ///< of batches_
   std::vector<LookupCache> caches_;   ///< by thread
   std::vector<std::unique_ptr<kernels::CastBrick>> spare_;
