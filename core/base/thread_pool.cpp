@@ -136,20 +136,19 @@ int ThreadPool::threads() const { return pool_->threads; }
 void ThreadPool::parallel_for(std::size_t count, std::size_t grain, const Body& body) const {
   if (count == 0) return;
   Loop loop(count, grain, std::cref(body));
-  if (threads() == 1 || loop.ranges == 1) {
-    for (std::size_t r = 0; r < loop.ranges; ++r) body(r * loop.grain, std::min(count, (r + 1) * loop.grain), 0);
-    return;
+  const bool is_shared = threads() > 1 && loop.ranges > 1;
+  if (is_shared) {
+    count_work(WorkCounter::joins);
+    pool_->open(loop, loop.ranges - 1);
   }
-  count_work(WorkCounter::joins);
-  pool_->open(loop, loop.ranges - 1);
   loop.run(0);
-  pool_->close(loop);
+  if (is_shared) pool_->close(loop);
   if (loop.error) std::rethrow_exception(loop.error);
 }
 
 ThreadPool::Running ThreadPool::start(std::size_t count, std::size_t grain, Body body) const {
   Running running(*pool_, std::make_unique<Loop>(count, grain, std::move(body)));
-  if (count == 0) return running;
+  if (count == 0 || threads() == 1) return running;
   count_work(WorkCounter::joins);
   pool_->open(*running.loop_, running.loop_->ranges);
   return running;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "kernels/pool/cast_brick.h"
@@ -21,11 +22,14 @@ struct SlotVoxels {
 struct CastBrick {
   CastHead head = {};
   std::uint32_t part_count = 0;                        ///< number of parts in the pool; 0 if the brick has no voxel
-  std::int32_t lod = 0;                                ///< level of the voxels of `runs`
   std::vector<PackedVoxel> parts;                      ///< all parts, or only the layers if there are runs
   std::vector<VoxelRun> runs;                          ///< the voxels, if they are copied from pages
   std::array<PooledPage, max_brick_pages> pages = {};  ///< of `runs`
+  std::int32_t lod = 0;                                ///< level of the voxels of `runs`
 };
+
+/// Bricks that are passed from thread to thread. Moving a pointer takes less time than moving a brick.
+using CastBricks = std::vector<std::unique_ptr<CastBrick>>;
 
 /// Packs a slot; replaces the contents of `brick`.
 void pack_brick(const SlotVoxels& slot, CastBrick& brick);

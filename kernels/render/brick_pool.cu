@@ -98,8 +98,7 @@ void BrickPool::show_in(CastScene& scene) const {
   scene.voxels = voxels_.data();
 }
 
-void BrickPool::put(const std::vector<BrickPlace>& places, const std::vector<std::unique_ptr<CastBrick>>& bricks,
-                    const DevicePagePool& pages) {
+void BrickPool::put(const std::vector<BrickPlace>& places, const CastBricks& bricks, const DevicePagePool& pages) {
   const std::size_t count = places.size();
   std::vector<std::uint32_t> first{0}, first_run{0};
   for (std::size_t i = 0; i < count; ++i) {

@@ -21,8 +21,7 @@ class BrickPool {
 
   /// Implements Caster::put_bricks() and move_voxels(). The caller may change the arguments after the call; the stream
   /// executes the copies in order.
-  void put(const std::vector<BrickPlace>& places, const std::vector<std::unique_ptr<CastBrick>>& bricks,
-           const DevicePagePool& pages);
+  void put(const std::vector<BrickPlace>& places, const CastBricks& bricks, const DevicePagePool& pages);
   void move(const std::vector<VoxelMove>& moves);
 
  private:

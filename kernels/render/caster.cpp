@@ -40,8 +40,7 @@ class CpuCaster final : public Caster {
 
   void put_pages(const std::vector<PageUpload>& pages) override { pages_.put(pages, pool_); }
 
-  void put_bricks(const std::vector<BrickPlace>& places,
-                  const std::vector<std::unique_ptr<CastBrick>>& bricks) override {
+  void put_bricks(const std::vector<BrickPlace>& places, const CastBricks& bricks) override {
     // The first write to a part of the pool also makes the system allocate its memory, so all threads write.
     pool_.parallel_for(places.size(), copies_per_range, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t i = begin; i < end; ++i) {

@@ -108,8 +108,7 @@ class CudaCaster final : public Caster {
     pages_.put(pages);
   }
 
-  void put_bricks(const std::vector<BrickPlace>& places,
-                  const std::vector<std::unique_ptr<CastBrick>>& bricks) override {
+  void put_bricks(const std::vector<BrickPlace>& places, const CastBricks& bricks) override {
     if (places.empty()) return;
     use_device();
     bricks_.put(places, bricks, pages_);

@@ -53,8 +53,7 @@ class Caster {
   virtual void put_pages(const std::vector<PageUpload>& pages) = 0;
   /// Copies bricks to the pools, and the voxels of their runs out of the page pool.
   /// Range   The pages of the bricks' runs are in the page pool. No node refers to the slots until put_nodes().
-  virtual void put_bricks(const std::vector<BrickPlace>& places,
-                          const std::vector<std::unique_ptr<CastBrick>>& bricks) = 0;
+  virtual void put_bricks(const std::vector<BrickPlace>& places, const CastBricks& bricks) = 0;
   /// Moves slots' parts towards the start of the voxel pool.
   /// Range   Moves are in ascending order and lead towards the start; the result has no gaps. The first move leads to
   ///         position 0 or to the end of the parts that are not moved. Each other move leads to the end of the previous

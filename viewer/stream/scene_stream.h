@@ -141,7 +141,7 @@ class SceneStream {
   struct NewData {
     std::vector<kernels::PageUpload> pages;
     std::vector<kernels::BrickPlace> places;
-    std::vector<std::unique_ptr<kernels::CastBrick>> bricks;
+    kernels::CastBricks bricks;
   };
 
   void answer_ahead(const std::vector<std::uint32_t>& requested, const Vec3d& eye);
@@ -177,7 +177,7 @@ class SceneStream {
   bool requests_roots_ = false;
   std::vector<std::uint32_t> pending_roots_;  ///< requests of root bricks
   std::vector<std::uint32_t> new_slots_;
-  std::vector<std::unique_ptr<kernels::CastBrick>> new_bricks_;
+  kernels::CastBricks new_bricks_;
   std::uint64_t uploads_ = 0, uploaded_bytes_ = 0;
   std::uint64_t put_bytes_ = 0;  ///< bytes put into the pools since the last serve()
   std::optional<SceneExchange> exchange_;

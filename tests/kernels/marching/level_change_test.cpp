@@ -13,7 +13,7 @@ struct FloorOfLod1 : OneCell {
   FloorOfLod1() : OneCell(4, 2) { scene.min[2] = 13; }
 
   void put_in(Caster& caster) const {
-    std::vector<std::unique_ptr<CastBrick>> bricks;
+    CastBricks bricks;
     bricks.push_back(std::make_unique<CastBrick>());
     SlotVoxels slot;
     for (int at = 0; at < slot_edge * slot_edge; ++at) {

@@ -58,7 +58,7 @@ class SceneExchange {
   const CellLayout& layout_;
   std::vector<Prepared> items_;  ///< by ascending node
   std::vector<std::uint32_t> new_slots_;
-  std::vector<std::unique_ptr<kernels::CastBrick>> new_bricks_;
+  kernels::CastBricks new_bricks_;
 };
 
 }  // namespace gigabake

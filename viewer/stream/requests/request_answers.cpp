@@ -10,8 +10,8 @@
 namespace gigabake {
 namespace {
 
+using kernels::CastBricks;
 using kernels::RequestKind;
-using Bricks = std::vector<std::unique_ptr<kernels::CastBrick>>;
 
 /// The number of requests that are answered in parallel before the clock is checked and the pools are filled. It is
 /// large enough to outweigh the start of the threads, and small enough to take less than 2 ms.
@@ -65,7 +65,7 @@ void keep_first(std::vector<std::uint64_t>& ranks, std::size_t max_count) {
 }
 
 /// Adds as many of the bricks as a pass can use.
-void add_spare(Bricks& spare, Bricks bricks) {
+void add_spare(CastBricks& spare, CastBricks bricks) {
   if (bricks.size() > spare.size()) std::swap(bricks, spare);
   const std::size_t count = std::min(bricks.size(), max_requests - std::min(max_requests, spare.size()));
   std::move(bricks.begin(), bricks.begin() + std::ptrdiff_t(count), std::back_inserter(spare));
@@ -169,7 +169,7 @@ void RequestAnswers::place_runs(std::span<RequestAnswer> answers) {
   });
 }
 
-void RequestAnswers::reuse(Bricks bricks) { add_spare(spare_, std::move(bricks)); }
+void RequestAnswers::reuse(CastBricks bricks) { add_spare(spare_, std::move(bricks)); }
 
 /// Answers request `i` of the batch, unless the pass is stopped.
 void RequestAnswers::answer(Batch& batch, std::size_t i, LookupCache& cache) const {
@@ -213,7 +213,7 @@ std::span<RequestAnswer> RequestAnswers::next_batch(bool works_ahead) {
   const std::span<RequestAnswer> answers(batch.answers.data(), batch.count);
   if (pooled_pages_.has_pool()) place_runs(answers);
   for (std::size_t i = 0; i < answers.size(); ++i)
-    if (answers[i].is_missing && !batch.missing_pages[i].missing.empty())
+    if (!batch.missing_pages[i].missing.empty())
       waiting_.add(answers[i].request, ranks_[batch.first + i], batch.missing_pages[i].missing);
   return answers;
 }

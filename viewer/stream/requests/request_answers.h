@@ -31,11 +31,11 @@ struct NodeRequest {
 /// The answer to one request. Except for `pages`, it is independent of pages, which may be evicted afterwards.
 struct RequestAnswer {
   std::uint32_t request = 0;
-  bool is_missing = false;  ///< the request waits for pages or is obsolete; the other members are not set
+  bool is_missing = false;  ///< the request waits for pages, or its pass was stopped; the other members are not set
   bool is_damaged = false;  ///< pages that the answer needs cannot be read
   ChildMasks children;      ///< of a request of children
   bool is_empty = false;    ///< of a request of a brick: there are no voxels
-  std::unique_ptr<kernels::CastBrick> brick;  ///< of a request of a brick that is not empty
+  std::unique_ptr<kernels::CastBrick> brick;  ///< filled for a request of a brick that is not empty
   BrickPages pages = {};                      ///< of the brick's runs, valid until the pager's next pass
 };
 
@@ -60,16 +60,17 @@ class RequestAnswers {
                   const std::atomic<bool>* stop = nullptr);
   /// Returns whether next_batch() has requests to answer. A pass answers at most some thousand requests.
   bool has_next() const { return next_ < ranks_.size(); }
-  /// Answers the next requests. The result is valid until the next call, and the caller may move from it. Bricks have
-  /// runs only if the caster has a page pool, and their pages have places in the pool (pooled_pages.h). Other threads
-  /// begin with the batch after it if `works_ahead` is true, while the caller uses the result.
+  /// Answers the next requests, for the places that their nodes had in begin_pass(). The result is valid until the next
+  /// call, and the caller may move from it. Bricks have runs only if the caster has a page pool, and their pages have
+  /// places in the pool (pooled_pages.h). Other threads begin with the batch after it if `works_ahead` is true, while
+  /// the caller uses the result.
   std::span<RequestAnswer> next_batch(bool works_ahead);
   /// Returns whether a batch was begun ahead.
   bool has_begun_next() const { return running_.has_value(); }
   /// Drops a batch that was begun ahead. Call it before the pager's next pass.
   void end_pass();
   /// Takes bricks that are not needed any more. Answers use their memory again.
-  void reuse(std::vector<std::unique_ptr<kernels::CastBrick>> bricks);
+  void reuse(kernels::CastBricks bricks);
 
   /// Returns the pages that requests of this pass lack, most urgent first. A page may occur several times.
   std::vector<PageKey> missing_pages() const { return waiting_.pages_by_urgency(); }
@@ -86,9 +87,9 @@ class RequestAnswers {
   struct Batch {
     std::size_t first = 0, count = 0;  ///< of ranks_
     std::vector<RequestAnswer> answers;
-    std::vector<MissingPages> missing_pages;                 ///< of each answer
-    std::vector<std::unique_ptr<kernels::CastBrick>> spare;  ///< bricks whose memory new answers use
-    std::atomic<std::size_t> taken{0};                       ///< of `spare`, from its end
+    std::vector<MissingPages> missing_pages;  ///< of each answer
+    kernels::CastBricks spare;                ///< bricks whose memory new answers use
+    std::atomic<std::size_t> taken{0};        ///< of `spare`, from its end
   };
 
   double urgency(const FieldNode& node, const Vec3d& eye) const;
@@ -111,7 +112,7 @@ class RequestAnswers {
   std::array<Batch, 2> batches_;      ///< two if the caller works ahead, otherwise one
   std::size_t latest_ = 0;            ///< of batches_
   std::vector<LookupCache> caches_;   ///< by thread
-  std::vector<std::unique_ptr<kernels::CastBrick>> spare_;
+  kernels::CastBricks spare_;
   const std::atomic<bool>* stop_ = nullptr;
   std::optional<ThreadPool::Running> running_;  ///< answers the batch from next_ on; declared last, so it ends first
 };
