@@ -181,7 +181,7 @@ bool Pager::is_damaged(const PageKey& key) const { return state_->damaged.contai
 
 void Pager::request(const std::vector<PageKey>& by_urgency) {
   State& s = *state_;
-  const std::scoped_lock lock(s.mutex);
+  std::unique_lock lock(s.mutex);
   s.list_unused_above(s.nearly_full());
   s.queue.clear();
   s.next = 0;
@@ -189,7 +189,10 @@ void Pager::request(const std::vector<PageKey>& by_urgency) {
   std::unordered_set<PageKey, PageKeyHash> seen = s.in_flight;
   for (const PageKey& key : by_urgency)
     if (!s.pages.has(key) && !s.damaged.contains(key) && seen.insert(key).second) s.queue.push_back(key);
-  s.requested.notify_all();
+  const std::size_t count = std::min(s.queue.size(), s.readers.size());
+  lock.unlock();
+  // Wakes no reader in vain: a frame calls this function many times, mostly without pages.
+  for (std::size_t i = 0; i < count; ++i) s.requested.notify_one();
 }
 
 bool Pager::wait(std::chrono::milliseconds maximum) {
