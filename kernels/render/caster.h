@@ -55,9 +55,8 @@ class Caster {
   /// Range   The pages of the bricks' runs are in the page pool. No node refers to the slots until put_nodes().
   virtual void put_bricks(const std::vector<BrickPlace>& places, const CastBricks& bricks) = 0;
   /// Moves slots' parts towards the start of the voxel pool.
-  /// Range   Moves are in ascending order and lead towards the start; the result has no gaps. The first move leads to
-  ///         position 0 or to the end of the parts that are not moved. Each other move leads to the end of the previous
-  ///         move.
+  /// Range   Moves are in ascending order and lead towards the start. The destination of the first move is free. Each
+  ///         other move leads to the end of the previous move.
   virtual void move_voxels(const std::vector<VoxelMove>& moves) = 0;
   /// Replaces nodes.
   /// Range   Each node occurs at most once.

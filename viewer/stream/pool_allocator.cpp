@@ -11,8 +11,17 @@ using kernels::empty_ref;
 using kernels::lost_ref;
 using kernels::not_resident_ref;
 
-/// The inverse of the fraction of a pool that is evicted at once, so that the timestamps are rarely scanned.
-constexpr std::size_t parts_of_pool = 16;
+/// The min number of entries of a segment, except of the only one. An eviction examines a segment, in 6 ms.
+constexpr std::uint32_t min_segment = 1 << 16;
+/// The inverse of the max fraction of a segment that is evicted at once: of the only segment, and of one of many. A
+/// pool of many segments replaces a quarter of its entries before it examines the same segment again.
+constexpr std::uint32_t parts_of_pool = 16, parts_of_segment = 4;
+
+std::uint32_t segments_of(std::uint32_t entries) { return std::max(entries / min_segment, 1u); }
+
+std::size_t max_evicted(std::uint32_t examined, std::size_t all) {
+  return 1 + examined / (examined == all ? parts_of_pool : parts_of_segment);
+}
 
 std::uint32_t root_tiles(std::size_t cells) { return std::uint32_t((cells + 7) / 8); }
 
@@ -36,10 +45,23 @@ PoolAllocator::PoolAllocator(std::size_t cells, int lods, const kernels::PoolSiz
       is_changed_(nodes_.size()),
       tiles_(sizes.tiles),
       slots_(sizes.slots),
-      arena_(sizes.slots, sizes.voxels) {
+      slots_per_segment_(sizes.slots / segments_of(sizes.slots)),
+      voxels_per_segment_(sizes.voxels / segments_of(sizes.slots)),
+      tiles_per_part_((sizes.tiles + segments_of(sizes.tiles) - 1) / segments_of(sizes.tiles)) {
   for (std::uint32_t t = 0; t < root_tiles(cells); ++t) tiles_[t].used = true;
   for (std::uint32_t t = sizes.tiles; t-- > root_tiles(cells);) free_tiles_.push_back(t);
-  for (std::uint32_t s = sizes.slots; s-- > 0;) free_slots_.push_back(s);
+  std::vector<std::uint32_t> free_slots;
+  for (std::uint32_t s = slots_per_segment_; s-- > 0;) free_slots.push_back(s);
+  segments_.assign(segments_of(sizes.slots), {VoxelArena(slots_per_segment_, voxels_per_segment_), free_slots});
+}
+
+kernels::PoolSizes PoolAllocator::in_use() const {
+  kernels::PoolSizes sizes{std::uint32_t(tiles_.size() - free_tiles_.size()), 0, 0};
+  for (const Segment& segment : segments_) {
+    sizes.slots += slots_per_segment_ - std::uint32_t(segment.free_slots.size());
+    sizes.voxels += segment.arena.size() - segment.arena.free();
+  }
+  return sizes;
 }
 
 std::uint32_t PoolAllocator::min_tiles(std::size_t cells, int lods) {
@@ -65,6 +87,7 @@ void PoolAllocator::begin_round(std::uint32_t pass, std::uint32_t used_since, bo
   used_since_ = used_since;
   may_evict_used_ = may_evict_used;
   evicted_used_ = false;
+  slot_used_ = tile_used_ = nullptr;
 }
 
 void PoolAllocator::change(std::uint32_t node, const CastNode& value) {
@@ -103,14 +126,13 @@ bool PoolAllocator::put_children(std::uint32_t node, const ChildMasks& children,
 
 std::optional<std::uint32_t> PoolAllocator::put_brick(std::uint32_t node, std::uint32_t parts,
                                                       kernels::Caster& caster) {
-  while (free_slots_.empty() || arena_.free() < parts)
-    if (!free_some_slots(caster)) return {};
-  if (!arena_.has_room(parts)) caster.move_voxels(arena_.close_gaps());
-  const std::uint32_t s = free_slots_.back();
-  free_slots_.pop_back();
+  if (!segments_[current_].fits(parts) && !advance_to_segment_for(parts, caster)) return {};
+  Segment& segment = segments_[current_];
+  const std::uint32_t in_segment = segment.free_slots.back(), s = slots_per_segment_ * current_ + in_segment;
+  segment.free_slots.pop_back();
   slots_[s] = {node, pass_, round_, true};
   tiles_[node / 8].brick_round = round_;
-  arena_.take(s, parts);
+  segment.arena.take(in_segment, parts);
   change(node, {nodes_[node].children, s});
   return s;
 }
@@ -126,8 +148,9 @@ void PoolAllocator::set_lost(std::uint32_t node, kernels::RequestKind what) {
 void PoolAllocator::release_slot(std::uint32_t slot) {
   change(slots_[slot].owner, {nodes_[slots_[slot].owner].children, not_resident_ref});
   slots_[slot].used = false;
-  arena_.give_back(slot);
-  free_slots_.push_back(slot);
+  Segment& segment = segments_[slot / slots_per_segment_];
+  segment.arena.give_back(slot % slots_per_segment_);
+  segment.free_slots.push_back(slot % slots_per_segment_);
 }
 
 void PoolAllocator::release_tile(std::uint32_t tile) {
@@ -182,20 +205,19 @@ void PoolAllocator::set_children(std::uint32_t node, const ChildMasks& children)
   }
 }
 
-/// Returns the indices of up to `maximum` candidates, the least recently used first. A candidate is a pair of last use
-/// and index. Omits candidates that must stay.
-std::vector<std::uint32_t> PoolAllocator::oldest(std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates,
-                                                 std::size_t maximum) {
+/// Returns the indices of up to `maximum` candidates that were used least recently. A candidate is a pair of last use
+/// and index. Omits candidates that must stay; if all must stay and `may_evict_used` is true, returns the oldest.
+std::vector<std::uint32_t> PoolAllocator::oldest(Candidates candidates, std::size_t maximum, bool may_evict_used) {
   if (candidates.size() > maximum) {
     std::nth_element(candidates.begin(), candidates.begin() + std::ptrdiff_t(maximum), candidates.end());
     candidates.resize(maximum);
   }
-  std::sort(candidates.begin(), candidates.end());
   std::vector<std::uint32_t> gone;
-  for (const auto& [touch, who] : candidates) {
-    if (touch >= used_since_ && !(may_evict_used_ && gone.empty())) break;
-    evicted_used_ |= touch >= used_since_;
-    gone.push_back(who);
+  for (const auto& [touch, who] : candidates)
+    if (touch < used_since_) gone.push_back(who);
+  if (gone.empty() && may_evict_used && !candidates.empty()) {
+    evicted_used_ = true;
+    gone.push_back(std::ranges::min_element(candidates)->second);
   }
   return gone;
 }
@@ -203,25 +225,70 @@ std::vector<std::uint32_t> PoolAllocator::oldest(std::vector<std::pair<std::uint
 /// Evicts tiles and the bricks of their nodes; returns false if no tile is free afterwards. Does not evict the tile
 /// `stays`, which contains the node whose children are allocated.
 bool PoolAllocator::free_some_tiles(std::uint32_t stays, kernels::Caster& caster) {
-  const std::vector<std::uint32_t>& timestamps = caster.tile_timestamps();
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates;
-  for (std::uint32_t t = root_tiles(cells_); t < tiles_.size(); ++t)
+  const auto parts = std::uint32_t((tiles_.size() + tiles_per_part_ - 1) / tiles_per_part_);
+  for (const bool may_evict_used : {false, true}) {
+    if (may_evict_used && !may_evict_used_) break;
+    for (std::uint32_t tried = 0; tried < parts; ++tried) {
+      const std::uint32_t part = tile_part_;
+      tile_part_ = (tile_part_ + 1) % parts;
+      if (free_tiles_of(part, stays, may_evict_used, caster)) return true;
+    }
+  }
+  return false;
+}
+
+bool PoolAllocator::free_tiles_of(std::uint32_t part, std::uint32_t stays, bool may_evict_used,
+                                  kernels::Caster& caster) {
+  if (tile_used_ == nullptr) tile_used_ = &caster.tile_timestamps();
+  const std::uint32_t begin = part * tiles_per_part_,
+                      end = std::min(begin + tiles_per_part_, std::uint32_t(tiles_.size()));
+  Candidates candidates;
+  for (std::uint32_t t = std::max(begin, root_tiles(cells_)); t < end; ++t)
     if (tiles_[t].used && tiles_[t].resident_children == 0 && tiles_[t].round != round_ &&
         tiles_[t].brick_round != round_ && t != stays)
-      candidates.emplace_back(last_use(timestamps[t], tiles_[t].born), t);
-  for (const std::uint32_t t : oldest(std::move(candidates), 1 + tiles_.size() / parts_of_pool)) release_tile(t);
+      candidates.emplace_back(last_use((*tile_used_)[t], tiles_[t].born), t);
+  const std::size_t maximum = max_evicted(tiles_per_part_, tiles_.size());
+  for (const std::uint32_t t : oldest(std::move(candidates), maximum, may_evict_used)) release_tile(t);
   return !free_tiles_.empty();
 }
 
-bool PoolAllocator::free_some_slots(kernels::Caster& caster) {
-  const std::vector<std::uint32_t>& timestamps = caster.slot_timestamps();
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates;
-  for (std::uint32_t s = 0; s < slots_.size(); ++s)
+/// Makes a segment the current one in which a brick fits, the next segment if possible. Evicts bricks and moves others
+/// within the segment. Returns false if no segment can be made to fit the brick.
+bool PoolAllocator::advance_to_segment_for(std::uint32_t parts, kernels::Caster& caster) {
+  for (const bool may_evict_used : {false, true}) {
+    if (may_evict_used && !may_evict_used_) break;
+    std::uint32_t segment = current_;
+    for (std::size_t tried = 0; tried < segments_.size(); ++tried) {
+      segment = after(segment);
+      while (!segments_[segment].fits_after_moves(parts))
+        if (!free_some_slots(segment, may_evict_used, caster)) break;
+      if (!segments_[segment].fits_after_moves(parts)) continue;
+      if (!segments_[segment].fits(parts)) close_gaps(segment, caster);
+      current_ = segment;
+      return true;
+    }
+  }
+  return false;
+}
+
+bool PoolAllocator::free_some_slots(std::uint32_t segment, bool may_evict_used, kernels::Caster& caster) {
+  if (slot_used_ == nullptr) slot_used_ = &caster.slot_timestamps();
+  Candidates candidates;
+  for (std::uint32_t s = slots_per_segment_ * segment; s < slots_per_segment_ * (segment + 1); ++s)
     if (slots_[s].used && slots_[s].round != round_ && !(roots_stay_ && slots_[s].owner < cells_))
-      candidates.emplace_back(last_use(timestamps[s], slots_[s].born), s);
-  const std::vector<std::uint32_t> gone = oldest(std::move(candidates), 1 + slots_.size() / parts_of_pool);
+      candidates.emplace_back(last_use((*slot_used_)[s], slots_[s].born), s);
+  const std::size_t maximum = max_evicted(slots_per_segment_, slots_.size());
+  const std::vector<std::uint32_t> gone = oldest(std::move(candidates), maximum, may_evict_used);
   for (const std::uint32_t s : gone) release_slot(s);
   return !gone.empty();
+}
+
+void PoolAllocator::close_gaps(std::uint32_t segment, kernels::Caster& caster) {
+  std::vector<kernels::VoxelMove> moves = segments_[segment].arena.close_gaps();
+  const std::uint32_t first = voxels_per_segment_ * segment;
+  for (kernels::VoxelMove& move : moves)
+    move = {slots_per_segment_ * segment + move.slot, first + move.from, first + move.to, move.count};
+  caster.move_voxels(moves);
 }
 
 }  // namespace gigabake

@@ -1,4 +1,6 @@
-/// LRU allocator of the ray caster's node and brick pools.
+/// LRU allocator of the ray caster's node and brick pools. Large pools consist of segments. New entries fill one
+/// segment after another, and an eviction selects the least recently used entries of the next segment. Its time
+/// therefore does not grow with the pool (decision 612).
 #pragma once
 
 #include <cstdint>
@@ -25,10 +27,7 @@ class PoolAllocator {
   bool roots_stay() const { return roots_stay_; }
 
   /// Returns the numbers of tiles, slots and places of the voxel pool that are in use.
-  kernels::PoolSizes in_use() const {
-    return {std::uint32_t(tiles_.size() - free_tiles_.size()), std::uint32_t(slots_.size() - free_slots_.size()),
-            arena_.size() - arena_.free()};
-  }
+  kernels::PoolSizes in_use() const;
   const kernels::CastNode& node(std::uint32_t node) const { return nodes_[node]; }
   FieldNode place_of(std::uint32_t node) const;
   /// Returns whether the node's tile is in use and was allocated in round `round` or before. An answer that was made
@@ -46,7 +45,7 @@ class PoolAllocator {
   /// Returns whether a tile of children or a brick of `parts` parts can be allocated without evictions and moves, hence
   /// without the caster.
   bool has_room(std::uint32_t parts) const {
-    return !free_tiles_.empty() && !free_slots_.empty() && arena_.has_room(parts);
+    return !free_tiles_.empty() && (segments_[current_].fits(parts) || segments_[after(current_)].fits(parts));
   }
   /// Allocates the tile of the node's children; returns false if the pool is full and nothing can be evicted. `caster`
   /// supplies the usage timestamps for eviction.
@@ -55,7 +54,10 @@ class PoolAllocator {
   /// bricks in the voxel pool.
   std::optional<std::uint32_t> put_brick(std::uint32_t node, std::uint32_t parts, kernels::Caster& caster);
   /// Returns the current place of an allocated brick.
-  kernels::BrickPlace brick_place(std::uint32_t slot) const { return {slot, arena_.first(slot)}; }
+  kernels::BrickPlace brick_place(std::uint32_t slot) const {
+    const std::uint32_t segment = slot / slots_per_segment_;
+    return {slot, voxels_per_segment_ * segment + segments_[segment].arena.first(slot % slots_per_segment_)};
+  }
 
   void set_empty(std::uint32_t node);
   void set_lost(std::uint32_t node, kernels::RequestKind what);
@@ -89,14 +91,27 @@ class PoolAllocator {
     std::uint32_t born = 0, round = 0;
     bool used = false;
   };
+  /// Slots of the pool and a part of the voxel pool, in which their bricks are stored. Numbers are relative to it.
+  struct Segment {
+    VoxelArena arena;
+    std::vector<std::uint32_t> free_slots;
 
+    /// Returns whether a brick can be allocated without moving others.
+    bool fits(std::uint32_t parts) const { return !free_slots.empty() && arena.has_room(parts); }
+    bool fits_after_moves(std::uint32_t parts) const { return !free_slots.empty() && arena.free() >= parts; }
+  };
+  using Candidates = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+  std::uint32_t after(std::uint32_t segment) const { return (segment + 1) % std::uint32_t(segments_.size()); }
   void change(std::uint32_t node, const kernels::CastNode& value);
   bool free_some_tiles(std::uint32_t stays, kernels::Caster& caster);
-  bool free_some_slots(kernels::Caster& caster);
+  bool free_tiles_of(std::uint32_t part, std::uint32_t stays, bool may_evict_used, kernels::Caster& caster);
+  bool advance_to_segment_for(std::uint32_t parts, kernels::Caster& caster);
+  bool free_some_slots(std::uint32_t segment, bool may_evict_used, kernels::Caster& caster);
+  void close_gaps(std::uint32_t segment, kernels::Caster& caster);
   void release_tile(std::uint32_t tile);
   void release_slot(std::uint32_t slot);
-  std::vector<std::uint32_t> oldest(std::vector<std::pair<std::uint32_t, std::uint32_t>> candidates,
-                                    std::size_t maximum);
+  std::vector<std::uint32_t> oldest(Candidates candidates, std::size_t maximum, bool may_evict_used);
 
   std::size_t cells_;
   std::int32_t lods_;
@@ -105,11 +120,16 @@ class PoolAllocator {
   std::vector<bool> is_changed_;  ///< by node: the node is in changed_
   std::vector<Tile> tiles_;
   std::vector<Slot> slots_;
-  VoxelArena arena_;
-  std::vector<std::uint32_t> free_tiles_, free_slots_;
+  std::uint32_t slots_per_segment_, voxels_per_segment_;
+  std::vector<Segment> segments_;
+  std::uint32_t current_ = 0;                     ///< segment of new bricks
+  std::uint32_t tiles_per_part_, tile_part_ = 0;  ///< parts from which tiles are evicted in turn; the next part
+  std::vector<std::uint32_t> free_tiles_;
   std::vector<std::uint32_t> changed_;  ///< nodes for take_changes()
   std::uint32_t round_ = 0, pass_ = 0, used_since_ = 0;
   bool may_evict_used_ = false, evicted_used_ = false;
+  /// The usage timestamps of slots and tiles; null: not read in this round yet.
+  const std::vector<std::uint32_t>*slot_used_ = nullptr, *tile_used_ = nullptr;
 };
 
 }  // namespace gigabake

@@ -1,6 +1,6 @@
-/// The allocator of the voxel pool. Bricks of any size are stored one after another, with gaps where bricks were freed.
-/// A layer of a brick takes the space of one voxel and counts as a voxel. Voxels are allocated at the end. When the end
-/// is reached, all bricks move down to close the gaps.
+/// The allocator of a segment of the voxel pool. Bricks of any size are stored one after another, with gaps where
+/// bricks were freed. A layer of a brick takes the space of one voxel and counts as a voxel. Voxels are allocated at
+/// the end. When the end is reached, all bricks move down to close the gaps.
 #pragma once
 
 #include <cstdint>
