@@ -263,8 +263,9 @@ void RayRounds::cast_as(const RayPass& given, std::size_t begin, std::size_t end
                                                                        lists_of(parts_[p], 0));
     check_launch("find_in_tile");
   }
+  const std::size_t at_least = pass.resumes ? min_resumed_rounds : min_rounds;
   std::size_t round = 0;
-  for (; round < min_rounds || (round < max_rounds && has_long_list(round)); ++round)
+  for (; round < at_least || (round < max_rounds && has_long_list(round)); ++round)
     for (Part& part : parts_) cast_round<ray_type>(pass, blocks, round, part);
   for (Part& part : parts_) {
     cast_listed<ray_type><<<blocks, tile_threads, 0, part.stream.handle>>>(pass, lists_of(part, round - 1).find);

@@ -33,7 +33,8 @@ struct RayPass {
   CastTile tile;
   CastRay* rays;
   bool blocking;
-  bool starts;  ///< the rays are not started yet
+  bool starts;   ///< the rays are not started yet
+  bool resumes;  ///< the rays were cast before in this frame; most of them are finished
   unsigned long long* unfinished;
   HeldBrick* held = nullptr;  ///< by ray: valid for rays in RayLists::pass and RayLists::residual
 };
@@ -54,8 +55,9 @@ class RayRounds {
 
  private:
   /// Few rays alternate more often between bricks and surfaces; one kernel finishes these rays. If many rays are left,
-  /// further rounds are faster: rays in coarser bricks need one per level.
-  static constexpr std::size_t min_rounds = 7, max_rounds = 28;
+  /// further rounds are faster: rays in coarser bricks need one per level. Few rays resume after a wait, so the time of
+  /// a round is mostly that of its launches.
+  static constexpr std::size_t min_rounds = 7, min_resumed_rounds = 1, max_rounds = 28;
   /// Parts of the tile that are cast at the same time. The multiprocessors that the last rays of one part leave idle do
   /// work of the other part.
   static constexpr std::size_t parts = 2;

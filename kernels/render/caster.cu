@@ -142,9 +142,10 @@ class CudaCaster final : public Caster {
   }
 
   std::size_t cast(std::size_t begin, std::size_t end, bool blocking, const StopAsked& stop) override {
-    const bool starts = !is_started_ && begin == 0 && end == ray_count();
+    const bool is_whole = begin == 0 && end == ray_count(), starts = is_whole && !is_started_;
     return one_pass(end - begin, blocking, stop, [&](RayPass pass) {
       pass.starts = starts;
+      pass.resumes = is_whole && is_started_;
       if (!starts) start_rays_once();
       is_started_ = true;
       rounds_.cast(pass, begin, end);
@@ -240,7 +241,9 @@ class CudaCaster final : public Caster {
     return std::size_t(unfinished);
   }
 
-  RayPass pass_of(bool blocking) { return {scene_, camera_, tile_, rays_.data(), blocking, false, unfinished_.data()}; }
+  RayPass pass_of(bool blocking) {
+    return {scene_, camera_, tile_, rays_.data(), blocking, false, false, unfinished_.data()};
+  }
 
   /// Blends the second rays into the first rays, once.
   void blend() {
