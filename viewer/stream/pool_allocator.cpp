@@ -11,7 +11,7 @@ using kernels::empty_ref;
 using kernels::lost_ref;
 using kernels::not_resident_ref;
 
-/// The min number of entries of a segment, except of the only one. An eviction examines a segment, in 6 ms.
+/// The min number of entries of a segment, except of the only one. An eviction examines one segment.
 constexpr std::uint32_t min_segment = 1 << 16;
 /// The inverse of the max fraction of a segment that is evicted at once: of the only segment, and of one of many. A
 /// pool of many segments replaces a quarter of its entries before it examines the same segment again.
