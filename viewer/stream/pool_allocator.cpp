@@ -46,13 +46,13 @@ PoolAllocator::PoolAllocator(std::size_t cells, int lods, const kernels::PoolSiz
       tiles_(sizes.tiles),
       slots_(sizes.slots),
       slots_per_segment_(sizes.slots / segments_of(sizes.slots)),
-      voxels_per_segment_(sizes.voxels / segments_of(sizes.slots)),
       tiles_per_part_((sizes.tiles + segments_of(sizes.tiles) - 1) / segments_of(sizes.tiles)) {
   for (std::uint32_t t = 0; t < root_tiles(cells); ++t) tiles_[t].used = true;
   for (std::uint32_t t = sizes.tiles; t-- > root_tiles(cells);) free_tiles_.push_back(t);
   std::vector<std::uint32_t> free_slots;
   for (std::uint32_t s = slots_per_segment_; s-- > 0;) free_slots.push_back(s);
-  segments_.assign(segments_of(sizes.slots), {VoxelArena(slots_per_segment_, voxels_per_segment_), free_slots});
+  const std::uint32_t segments = segments_of(sizes.slots);
+  segments_.assign(segments, {VoxelArena(slots_per_segment_, sizes.voxels / segments), free_slots});
 }
 
 kernels::PoolSizes PoolAllocator::in_use() const {
@@ -222,19 +222,26 @@ std::vector<std::uint32_t> PoolAllocator::oldest(Candidates candidates, std::siz
   return gone;
 }
 
+/// Calls evict(part, may_evict_used) for the `count` parts of a pool in turn, from part `first` on, until one returns
+/// true. Used entries may be evicted only after all parts have failed without them. Returns false if all parts fail.
+template <class Evict>
+bool PoolAllocator::evict_in_turn(std::uint32_t first, std::uint32_t count, const Evict& evict) const {
+  for (const bool may_evict_used : {false, true}) {
+    if (may_evict_used && !may_evict_used_) break;
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (evict((first + i) % count, may_evict_used)) return true;
+  }
+  return false;
+}
+
 /// Evicts tiles and the bricks of their nodes; returns false if no tile is free afterwards. Does not evict the tile
 /// `stays`, which contains the node whose children are allocated.
 bool PoolAllocator::free_some_tiles(std::uint32_t stays, kernels::Caster& caster) {
   const auto parts = std::uint32_t((tiles_.size() + tiles_per_part_ - 1) / tiles_per_part_);
-  for (const bool may_evict_used : {false, true}) {
-    if (may_evict_used && !may_evict_used_) break;
-    for (std::uint32_t tried = 0; tried < parts; ++tried) {
-      const std::uint32_t part = tile_part_;
-      tile_part_ = (tile_part_ + 1) % parts;
-      if (free_tiles_of(part, stays, may_evict_used, caster)) return true;
-    }
-  }
-  return false;
+  return evict_in_turn(tile_part_, parts, [&](std::uint32_t part, bool may_evict_used) {
+    tile_part_ = (part + 1) % parts;
+    return free_tiles_of(part, stays, may_evict_used, caster);
+  });
 }
 
 bool PoolAllocator::free_tiles_of(std::uint32_t part, std::uint32_t stays, bool may_evict_used,
@@ -252,23 +259,23 @@ bool PoolAllocator::free_tiles_of(std::uint32_t part, std::uint32_t stays, bool 
   return !free_tiles_.empty();
 }
 
-/// Makes a segment the current one in which a brick fits, the next segment if possible. Evicts bricks and moves others
-/// within the segment. Returns false if no segment can be made to fit the brick.
+/// Makes a segment the current one in which a brick fits, the next segment if possible. Returns false if no segment can
+/// be made to fit the brick.
 bool PoolAllocator::advance_to_segment_for(std::uint32_t parts, kernels::Caster& caster) {
-  for (const bool may_evict_used : {false, true}) {
-    if (may_evict_used && !may_evict_used_) break;
-    std::uint32_t segment = current_;
-    for (std::size_t tried = 0; tried < segments_.size(); ++tried) {
-      segment = after(segment);
-      while (!segments_[segment].fits_after_moves(parts))
-        if (!free_some_slots(segment, may_evict_used, caster)) break;
-      if (!segments_[segment].fits_after_moves(parts)) continue;
-      if (!segments_[segment].fits(parts)) close_gaps(segment, caster);
-      current_ = segment;
-      return true;
-    }
-  }
-  return false;
+  return evict_in_turn(after(current_), std::uint32_t(segments_.size()),
+                       [&](std::uint32_t segment, bool may_evict_used) {
+                         if (!make_fit(segment, parts, may_evict_used, caster)) return false;
+                         current_ = segment;
+                         return true;
+                       });
+}
+
+/// Evicts bricks of the segment and moves others within it until a brick fits. Returns false if it cannot fit.
+bool PoolAllocator::make_fit(std::uint32_t segment, std::uint32_t parts, bool may_evict_used, kernels::Caster& caster) {
+  while (!segments_[segment].fits_after_moves(parts))
+    if (!free_some_slots(segment, may_evict_used, caster)) return false;
+  if (!segments_[segment].fits(parts)) close_gaps(segment, caster);
+  return true;
 }
 
 bool PoolAllocator::free_some_slots(std::uint32_t segment, bool may_evict_used, kernels::Caster& caster) {
@@ -285,7 +292,7 @@ bool PoolAllocator::free_some_slots(std::uint32_t segment, bool may_evict_used, 
 
 void PoolAllocator::close_gaps(std::uint32_t segment, kernels::Caster& caster) {
   std::vector<kernels::VoxelMove> moves = segments_[segment].arena.close_gaps();
-  const std::uint32_t first = voxels_per_segment_ * segment;
+  const std::uint32_t first = first_voxel(segment);
   for (kernels::VoxelMove& move : moves)
     move = {slots_per_segment_ * segment + move.slot, first + move.from, first + move.to, move.count};
   caster.move_voxels(moves);

@@ -56,7 +56,7 @@ class PoolAllocator {
   /// Returns the current place of an allocated brick.
   kernels::BrickPlace brick_place(std::uint32_t slot) const {
     const std::uint32_t segment = slot / slots_per_segment_;
-    return {slot, voxels_per_segment_ * segment + segments_[segment].arena.first(slot % slots_per_segment_)};
+    return {slot, first_voxel(segment) + segments_[segment].arena.first(slot % slots_per_segment_)};
   }
 
   void set_empty(std::uint32_t node);
@@ -103,10 +103,15 @@ class PoolAllocator {
   using Candidates = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
   std::uint32_t after(std::uint32_t segment) const { return (segment + 1) % std::uint32_t(segments_.size()); }
+  /// Returns the first place of the voxel pool that belongs to the segment. All segments have the same size.
+  std::uint32_t first_voxel(std::uint32_t segment) const { return segments_[segment].arena.size() * segment; }
   void change(std::uint32_t node, const kernels::CastNode& value);
+  template <class Evict>
+  bool evict_in_turn(std::uint32_t first, std::uint32_t count, const Evict& evict) const;
   bool free_some_tiles(std::uint32_t stays, kernels::Caster& caster);
   bool free_tiles_of(std::uint32_t part, std::uint32_t stays, bool may_evict_used, kernels::Caster& caster);
   bool advance_to_segment_for(std::uint32_t parts, kernels::Caster& caster);
+  bool make_fit(std::uint32_t segment, std::uint32_t parts, bool may_evict_used, kernels::Caster& caster);
   bool free_some_slots(std::uint32_t segment, bool may_evict_used, kernels::Caster& caster);
   void close_gaps(std::uint32_t segment, kernels::Caster& caster);
   void release_tile(std::uint32_t tile);
@@ -120,7 +125,7 @@ class PoolAllocator {
   std::vector<bool> is_changed_;  ///< by node: the node is in changed_
   std::vector<Tile> tiles_;
   std::vector<Slot> slots_;
-  std::uint32_t slots_per_segment_, voxels_per_segment_;
+  std::uint32_t slots_per_segment_;
   std::vector<Segment> segments_;
   std::uint32_t current_ = 0;                     ///< segment of new bricks
   std::uint32_t tiles_per_part_, tile_part_ = 0;  ///< parts from which tiles are evicted in turn; the next part
